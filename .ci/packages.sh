@@ -1,0 +1,47 @@
+# Sourced by tests/run.sh, examples/run.sh and .ci/run: what a bare Debian 12 needs.
+
+# zlib1g-dev: the CMake package of libassimp-dev links to libz.so, its Debian package does not ask for it.
+farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev libassimp-dev zlib1g-dev libstb-dev)
+
+farfield_fail() {
+    echo "${0##*/}: $*" >&2
+    exit 1
+}
+
+# farfield_install PACKAGE...: installs those that are missing, and asks for no rights if none is. On a machine without
+# apt set FARFIELD_SKIP_PACKAGES=1 and see to them in another way: CMake says what it does not find.
+farfield_install() {
+    [[ -z "${FARFIELD_SKIP_PACKAGES:-}" ]] || return 0
+    local package missing=() as_root=()
+    command -v apt-get >/dev/null && command -v dpkg-query >/dev/null ||
+        farfield_fail "no apt on this machine: install the like of '$*' and set FARFIELD_SKIP_PACKAGES=1"
+    for package in "$@"; do
+        [[ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" == installed ]] || missing+=("$package")
+    done
+    [[ ${#missing[@]} -gt 0 ]] || return 0
+    if [[ "$(id -u)" != 0 ]]; then
+        command -v sudo >/dev/null || farfield_fail "neither root nor sudo to install: ${missing[*]}"
+        as_root=(sudo)
+    fi
+    as_root+=(env DEBIAN_FRONTEND=noninteractive)
+    echo "installing ${missing[*]}"
+    "${as_root[@]}" apt-get -qq update || farfield_fail "apt-get update failed"
+    "${as_root[@]}" apt-get -qq install -y --no-install-recommends "${missing[@]}" >/dev/null ||
+        farfield_fail "apt-get could not install: ${missing[*]}"
+}
+
+# farfield_configure SOURCE BUILD CMAKE-ARGUMENT...: with the compiler in CXX, if it is set.
+farfield_configure() {
+    local source="$1" build="$2" cached
+    shift 2
+    if [[ -n "${CXX:-}" ]]; then
+        command -v "$CXX" >/dev/null || farfield_fail "no such compiler: CXX=$CXX"
+        # CMake keeps the first compiler of a build directory, and loses the arguments if it is told of another.
+        if [[ -f "$build/CMakeCache.txt" ]]; then
+            cached="$(sed -n 's/^CMAKE_CXX_COMPILER:[A-Z]*=//p' "$build/CMakeCache.txt")"
+            [[ "$(readlink -f "$cached")" == "$(readlink -f "$(command -v "$CXX")")" ]] ||
+                farfield_fail "$build was configured for $cached, not $CXX: remove it, or set BUILD_DIR"
+        fi
+    fi
+    cmake -S "$source" -B "$build" "$@"
+}

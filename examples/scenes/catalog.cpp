@@ -1,0 +1,47 @@
+#include "scenes/catalog.hpp"
+
+#include <stdexcept>
+
+#include "scenes/forest.hpp"
+#include "scenes/island.hpp"
+#include "scenes/molecule.hpp"
+#include "scenes/tree.hpp"
+
+namespace farfield::scenes {
+namespace {
+
+struct Entry {
+    std::string_view name;
+    Scene (*make)();
+};
+
+constexpr Entry catalog[] = {
+    {"tree", [] { return tree(); }},
+    {"molecule", [] { return molecule(); }},
+    {"island", [] { return island(); }},
+    {"forest", [] { return expanded(forest(ForestOptions{})); }},
+    {"forest-instanced", [] { return forest(20); }},
+};
+
+}  // namespace
+
+std::vector<std::string> names() {
+    std::vector<std::string> result;
+    for (const Entry& entry : catalog) result.emplace_back(entry.name);
+    return result;
+}
+
+Scene make(std::string_view name) {
+    std::string known;
+    for (const Entry& entry : catalog) {
+        if (entry.name == name) {
+            Scene scene = entry.make();
+            scene.name = entry.name;
+            return scene;
+        }
+        known.append(known.empty() ? "" : ", ").append(entry.name);
+    }
+    throw std::invalid_argument("no scene '" + std::string(name) + "'; known are " + known);
+}
+
+}  // namespace farfield::scenes

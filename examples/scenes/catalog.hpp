@@ -1,0 +1,24 @@
+// Generated scenes by name.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenes/scene.hpp"
+
+namespace farfield::scenes {
+
+/// What `make` knows, in the order in which to list it.
+///
+///     tree                  52,470 triangles, one group
+///     molecule           5,227,200 triangles, one group
+///     island             3,642,224 triangles, 480 placements of 4 trees
+///     forest             1,049,440 triangles, one group: 20 trees expanded
+///     forest-instanced  20,988,800 triangles, 400 placements of one tree
+std::vector<std::string> names();
+
+/// With default options. Throws std::invalid_argument, listing the known names, for any other name.
+Scene make(std::string_view name);
+
+}  // namespace farfield::scenes

@@ -1,0 +1,244 @@
+// A cube with a color and an opacity on each of its six faces (Chamberlain et al. 1996; 1995 as an option).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/policy.hpp"
+
+namespace farfield {
+
+/// Faces of a cell as a renderer gets them: which look at the viewer, how large they are to it.
+struct VisibleFaces {
+    std::array<std::uint8_t, 3> side{};  ///< 0..5: -x, +x, -y, +y, -z, +z
+    std::array<float, 3> projected{};    ///< area seen squarely from the viewer, squared units
+    int count = 0;
+
+    /// At most three, none from inside. Projected as if the viewer were far, which cells about a pixel wide allow.
+    VisibleFaces(const Cell& cell, const LocalView& view) {
+        const glm::vec3 d = view.towards_viewer(cell.center);
+        const float inverse_length = 1.0f / std::sqrt(glm::dot(d, d));
+        for (int axis = 0; axis < 3; ++axis) {
+            const float reach = view.is_perspective ? cell.half[axis] : 0.0f;
+            if (!(std::abs(d[axis]) > reach)) continue;
+            const float face = 4 * cell.half[(axis + 1) % 3] * cell.half[(axis + 2) % 3];
+            side[std::size_t(count)] = std::uint8_t(2 * axis + (d[axis] > 0 ? 1 : 0));
+            projected[std::size_t(count)] = face * std::abs(d[axis]) * inverse_length;
+            ++count;
+        }
+    }
+};
+
+/// One face of a cell's box.
+inline Face face_of(const Cell& cell, unsigned side, Rgba8 premultiplied) {
+    Face face{cell.center - cell.half, cell.center + cell.half, premultiplied, std::uint8_t(side)};
+    const int axis = int(side / 2);
+    (side & 1 ? face.lower : face.upper)[axis] = (side & 1 ? face.upper : face.lower)[axis];
+    return face;
+}
+
+/// A premultiplied face as a polygon that is not; nothing where nothing would be seen.
+template <class Sink>
+void emit_polygon(const Face& face, Sink&& sink) {
+    if (face.rgba.a == 0) return;
+    const int axis = face.side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    std::array<glm::vec3, 4> corners{face.lower, face.lower, face.upper, face.lower};
+    corners[1][u] = face.upper[u];
+    corners[3][v] = face.upper[v];
+    if ((face.side & 1) == 0) std::swap(corners[1], corners[3]);  // counter-clockwise seen from outside
+    const glm::vec4 c = to_vec4(face.rgba);
+    const Rgba8 color = to_rgba8(glm::vec4(glm::vec3(c) / c.a, c.a));
+    sink(Polygon{corners, {&color, 1}});
+}
+
+/// One cube a cell. 24 bytes.
+struct ColorCube {
+    /// Where inner cells get their colors: from their children (front four over back four, then the average), or drawn
+    /// like leaves, "at the expense of some extra preprocessing time" (1996, section 4).
+    enum class Inner : std::uint8_t { composited, direct };
+    /// `blended`: alpha is the part of the face that is covered (1996). `thresholded`: faces are opaque where more than
+    /// coverage_threshold is covered and not drawn elsewhere; coverages of front and back add up (1995, section 4.1).
+    enum class Opacity : std::uint8_t { blended, thresholded };
+
+    /// Orthographic samples along a side of the cell, 1 to 8; 0: analytically, from projected areas, which cannot tell
+    /// overlap from extent and so errs towards covering too much.
+    std::uint32_t samples = 4;
+    Inner inner = Inner::composited;
+    Opacity opacity = Opacity::blended;
+    float coverage_threshold = 0.5f;
+
+    using draft = std::array<glm::vec4, 6>;  ///< premultiplied, of the whole face of the cell
+    using cell_data = std::array<Rgba8, 6>;  ///< premultiplied; sides -x, +x, -y, +y, -z, +z
+    struct pool_element {};
+    static constexpr ApproximationFacts facts{
+        .needs = needs_polygons, .stands_in = true, .bounds_error = true, .file_tag = 0x43430001u};
+
+    bool wants_all_contents(const PartitionFacts& partition) const {
+        // Four over four is a rule for octants; cells of other partitions are always drawn.
+        return inner == Inner::direct || !partition.halves;
+    }
+
+    template <class Contents, OrthographicSampler Sampler>
+    draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
+        return samples == 0 ? projected(cell, contents) : sampled(cell, contents, sampler);
+    }
+
+    void merge(const Cell&, draft& own, std::span<const ChildDraft<draft>> children) const {
+        std::array<const draft*, 8> octants{};
+        for (const auto& c : children) octants[c.child] = c.draft;
+        for (unsigned side = 0; side < 6; ++side) {
+            const unsigned bit = 1u << side / 2;
+            glm::vec4 sum(0);
+            for (unsigned i = 0; i < 8; ++i) {
+                if (((i & bit) != 0) != ((side & 1) != 0)) continue;  // the front four
+                const glm::vec4 front = octants[i] ? (*octants[i])[side] : glm::vec4(0);
+                const glm::vec4 back = octants[i ^ bit] ? (*octants[i ^ bit])[side] : glm::vec4(0);
+                sum += over(front, back);
+            }
+            // A node's own primitives lie among its children: neither is in front.
+            const glm::vec4 inside = sum * 0.25f;
+            own[side] = 0.5f * (over(own[side], inside) + over(inside, own[side]));
+        }
+    }
+
+    cell_data finish(const Cell&, const draft& d, std::vector<pool_element>&) const {
+        cell_data data;
+        for (unsigned side = 0; side < 6; ++side) {
+            const glm::vec4 c = d[side];
+            if (opacity == Opacity::blended) {
+                data[side] = to_rgba8(c);
+            } else {
+                data[side] = c.a > coverage_threshold ? to_rgba8(glm::vec4(glm::vec3(c) / c.a, 1)) : Rgba8{0, 0, 0, 0};
+            }
+        }
+        return data;
+    }
+
+    Work expected_work() const { return {.splats = 1}; }
+    Work work(const cell_data&) const { return expected_work(); }
+
+    /// The projected side of the cell (1995, section 3.1: cell size / distance < epsilon).
+    float error_px(const cell_data&, const Cell& cell, const LocalView& view) const {
+        return view.pixels(cell.largest_side(), view.distance_to(cell));
+    }
+    float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
+        const float side = cell.largest_side() * std::bit_cast<float>((127u - std::min(levels, 126u)) << 23);
+        const bool by_depth = view.distance == DistanceMeasure::depth;
+        const glm::vec3 d = cell.center - view.eye;
+        const float farthest = by_depth ? glm::dot(d, view.forward) + glm::dot(glm::abs(view.forward), cell.half)
+                                        : std::sqrt(glm::dot(d, d)) + std::sqrt(glm::dot(cell.half, cell.half));
+        return view.pixels(side, farthest);
+    }
+
+    /// The six faces, colors not premultiplied.
+    template <class Sink>
+    void polygons(const cell_data& data, std::span<const pool_element>, const Cell& cell, Sink&& sink) const {
+        for (unsigned side = 0; side < 6; ++side) emit_polygon(face_of(cell, side, data[side]), sink);
+    }
+
+    /// Up to three faces; or, of a cell too small to have a shape, one splat with their common area and color: visible
+    /// faces of a convex body do not overlap, so their areas add up.
+    template <class Sink>
+    void stand_in(const cell_data& data, std::span<const pool_element>, const Cell& cell, const LocalView& view,
+                  Sink&& sink) const {
+        const VisibleFaces faces(cell, view);
+        const bool splat = sink.splat_limit_px > 0 &&
+                           view.pixels(cell.largest_side(), view.is_perspective ? view.depth(cell.center) : 1.0f) <=
+                               sink.splat_limit_px;
+        if (!splat) {
+            for (int i = 0; i < faces.count; ++i) {
+                const Rgba8 color = data[faces.side[std::size_t(i)]];
+                if (color.a != 0) sink(face_of(cell, faces.side[std::size_t(i)], color));
+            }
+            return;
+        }
+        float footprint = 0;
+        glm::vec4 sum(0);
+        for (int i = 0; i < faces.count; ++i) {
+            const Rgba8 c = data[faces.side[std::size_t(i)]];
+            footprint += faces.projected[std::size_t(i)];
+            sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a)) * faces.projected[std::size_t(i)];
+        }
+        if (!(sum.a > 0)) return;
+        const float alpha = sum.a / (255 * footprint);
+        const AreaLaw law = law_of_opacity(alpha);
+        const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / sum.a) + 0.5f, glm::vec3(255.0f));
+        sink(Splat{cell.center, footprint, footprint * area_of_opacity(alpha, law),
+                   Rgba8{std::uint8_t(rgb.r), std::uint8_t(rgb.g), std::uint8_t(rgb.b), std::uint8_t(law)}});
+    }
+
+  private:
+    glm::vec4 over(glm::vec4 front, glm::vec4 back) const {
+        if (opacity == Opacity::blended) return front + back * (1 - front.a);  // Porter and Duff 1984
+        // "A variation on the over operation ... designed to prevent large opaque surfaces from becoming transparent
+        // at coarser levels ... assuming that the front and back faces' coverage values have minimal overlap."
+        const float seen = back.a > 0 ? glm::min(1.0f, (1 - front.a) / back.a) : 0.0f;
+        return front + back * seen;
+    }
+
+    template <class Contents, class Sampler>
+    draft sampled(const Cell& cell, Contents&& contents, Sampler& sampler) const {
+        // What sticks out of a loose cell is sampled too, or its mass would be lost: squares keep the size they have on
+        // the cell's faces and the grid grows to the bounds.
+        const Box bounds = cell.bounds();
+        const float side = cell.largest_side();
+        const float looseness = side > 0 ? bounds.largest_side() / side : 1.0f;
+        SampleGrid grid{bounds, unsigned(std::ceil(float(samples) * looseness)), 1};
+        thread_local std::vector<Rgba8> out;
+        out.resize(grid.size());
+        sampler.sample(grid, contents, std::span<Rgba8>(out));
+        draft d{};
+        const glm::vec3 square = bounds.size() * (1.0f / float(grid.n));
+        for (unsigned s = 0; s < 6; ++s) {
+            const int u = int(s / 2 + 1) % 3, v = int(s / 2 + 2) % 3;
+            std::array<std::uint32_t, 4> sum{};
+            for (std::size_t i = grid.index(s, 0, 0, 0), end = i + std::size_t(grid.n) * grid.n; i < end; ++i) {
+                sum[0] += out[i].r;
+                sum[1] += out[i].g;
+                sum[2] += out[i].b;
+                sum[3] += out[i].a;
+            }
+            const float face = 4 * cell.half[u] * cell.half[v];
+            if (sum[3] == 0 || !(face > 0)) continue;
+            const glm::vec4 total = glm::vec4(float(sum[0]), float(sum[1]), float(sum[2]), float(sum[3])) *
+                                    (square[u] * square[v] / (255 * face));
+            d[s] = total * (total.a > 1 ? 1 / total.a : 1.0f);
+        }
+        return d;
+    }
+
+    template <class Contents>
+    draft projected(const Cell& cell, Contents&& contents) const {
+        draft d{};
+        contents([&](const Polygon& polygon) {
+            glm::vec3 doubled_area(0);
+            glm::vec4 color(0);
+            for (std::size_t i = 2; i < polygon.vertices.size(); ++i) {
+                doubled_area += glm::cross(polygon.vertices[i - 1] - polygon.vertices[0],
+                                           polygon.vertices[i] - polygon.vertices[0]);
+            }
+            for (const Rgba8 c : polygon.colors) color += to_vec4(c);
+            color *= 1.0f / float(polygon.colors.size());
+            const glm::vec4 premultiplied(glm::vec3(color) * color.a, color.a);
+            for (int s = 0; s < 6; ++s) {
+                const float face = 4 * cell.half[(s / 2 + 1) % 3] * cell.half[(s / 2 + 2) % 3];
+                if (face > 0) d[std::size_t(s)] += premultiplied * (0.5f * std::abs(doubled_area[s / 2]) / face);
+            }
+        });
+        for (glm::vec4& c : d) c *= c.a > 1 ? 1 / c.a : 1.0f;
+        return d;
+    }
+};
+
+}  // namespace farfield

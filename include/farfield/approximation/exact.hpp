@@ -1,0 +1,16 @@
+// No approximation: every primitive in the frustum is drawn. The reference that the others are measured against.
+#pragma once
+
+#include "farfield/policy.hpp"
+
+namespace farfield {
+
+/// Cells are split only where frustum culling pays (see HierarchyBuilder). A subtree inside the frustum is drawn as
+/// one run.
+struct Exact {
+    struct cell_data {};
+    struct pool_element {};
+    static constexpr ApproximationFacts facts{.file_tag = 0x45580001u};
+};
+
+}  // namespace farfield

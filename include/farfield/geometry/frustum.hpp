@@ -1,0 +1,34 @@
+// Boxes against the planes of a view, remembering which planes need no further test below.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+namespace farfield {
+
+/// Bits of the planes a box still crosses; 0 means it lies inside all of them, and so does everything within it.
+using PlaneMask = std::uint32_t;
+inline constexpr PlaneMask all_planes = 0b11111;
+inline constexpr PlaneMask outside_a_plane = ~PlaneMask(0);
+
+/// Conservative: a box outside no single plane counts as inside. `mask` names the planes worth testing (Assarsson and
+/// Moller 2000, "plane masking"). Returns the planes still crossed or `outside_a_plane`.
+inline PlaneMask crossed_planes(const std::array<glm::vec4, 5>& planes, glm::vec3 center, glm::vec3 half,
+                                PlaneMask mask) {
+    PlaneMask crossed = 0;
+    for (PlaneMask i = 0; i < 5; ++i) {
+        if ((mask >> i & 1) == 0) continue;
+        const glm::vec3 normal(planes[i]);
+        const float distance = glm::dot(normal, center) + planes[i].w;
+        const float reach = glm::dot(glm::abs(normal), half);
+        if (distance < -reach) return outside_a_plane;
+        if (distance < reach) crossed |= PlaneMask(1) << i;
+    }
+    return crossed;
+}
+
+}  // namespace farfield

@@ -1,0 +1,38 @@
+// A directional light on surfaces that are lit on the side that faces it.
+#pragma once
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "farfield/geometry/rgba8.hpp"
+
+namespace farfield {
+
+/// Lambert's law with an ambient part: brightness = ambient + diffuse * max(0, cosine). A polygon has two sides of
+/// different brightness; which one is seen decides. Stand-ins have the light of their build baked in: a light that
+/// moves afterwards, or an instance that is turned against it, changes geometry but not stand-ins.
+struct DirectionalLight {
+    glm::vec3 towards{0.30f, 0.90f, 0.32f};  ///< from the scene to the light; any length but 0
+    float ambient = 0.35f;
+    float diffuse = 0.65f;
+
+    /// `facing_viewer` is the polygon's normal turned to the side that is seen, any length; brightness in [0, 1] for
+    /// ambient + diffuse <= 1. A polygon without a normal gets the ambient part.
+    float brightness(glm::vec3 facing_viewer) const {
+        const float lengths = std::sqrt(glm::dot(facing_viewer, facing_viewer) * glm::dot(towards, towards));
+        const float cosine = lengths > 0 ? glm::dot(facing_viewer, towards) / lengths : 0.0f;
+        return ambient + diffuse * (cosine > 0 ? cosine : 0.0f);
+    }
+};
+
+/// Alpha stays.
+inline Rgba8 scaled(Rgba8 c, float brightness) {
+    const auto channel = [brightness](std::uint8_t v) {
+        const float lit = float(v) * brightness + 0.5f;
+        return static_cast<std::uint8_t>(lit < 255.0f ? lit : 255.0f);
+    };
+    return {channel(c.r), channel(c.g), channel(c.b), c.a};
+}
+
+}  // namespace farfield

@@ -1,0 +1,30 @@
+// Colors of eight bits a channel. Whether alpha is premultiplied is said where one is used; it is not by
+// default.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec4.hpp>
+
+namespace farfield {
+
+struct Rgba8 {
+    std::uint8_t r = 0, g = 0, b = 0, a = 255;
+
+    friend constexpr bool operator==(const Rgba8&, const Rgba8&) = default;
+};
+static_assert(sizeof(Rgba8) == 4);
+
+/// Channels in [0, 1].
+inline glm::vec4 to_vec4(Rgba8 c) {
+    return glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a)) * (1.0f / 255.0f);
+}
+
+/// Rounds to nearest; channels outside [0, 1] are clamped, NaN becomes 0.
+inline Rgba8 to_rgba8(glm::vec4 c) {
+    const auto byte = [](float v) {
+        return static_cast<std::uint8_t>(v > 0 ? (v < 1 ? v * 255.0f + 0.5f : 255.0f) : 0.0f);
+    };
+    return {byte(c.r), byte(c.g), byte(c.b), byte(c.a)};
+}
+
+}  // namespace farfield

@@ -1,0 +1,51 @@
+// Two ready-made primitives, and the example of how a type of your own plugs in by members (see
+// primitive.hpp).
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "farfield/geometry/box.hpp"
+#include "farfield/geometry/polygon.hpp"
+#include "farfield/geometry/rgba8.hpp"
+
+namespace farfield {
+
+inline Box bounds_of(const std::array<glm::vec3, 3>& v) {
+    return {glm::min(v[0], glm::min(v[1], v[2])), glm::max(v[0], glm::max(v[1], v[2]))};
+}
+
+/// A triangle of one color, counter-clockwise seen from its front.
+struct Triangle {
+    std::array<glm::vec3, 3> vertices{};
+    Rgba8 rgba{};
+
+    Box bounds() const { return bounds_of(vertices); }
+    /// One-sided area, in squared world units.
+    float area() const { return 0.5f * glm::length(glm::cross(vertices[1] - vertices[0], vertices[2] - vertices[0])); }
+    glm::vec4 color() const { return to_vec4(rgba); }
+    template <class Sink>
+    void polygons(Sink&& sink) const {
+        sink(Polygon{vertices, {&rgba, 1}});
+    }
+};
+static_assert(sizeof(Triangle) == 40);
+
+/// A triangle with a color at each vertex, interpolated perspectively right between them.
+struct VertexColoredTriangle {
+    std::array<glm::vec3, 3> vertices{};
+    std::array<Rgba8, 3> rgba{};
+
+    Box bounds() const { return bounds_of(vertices); }
+    float area() const { return 0.5f * glm::length(glm::cross(vertices[1] - vertices[0], vertices[2] - vertices[0])); }
+    glm::vec4 color() const { return (to_vec4(rgba[0]) + to_vec4(rgba[1]) + to_vec4(rgba[2])) * (1.0f / 3.0f); }
+    template <class Sink>
+    void polygons(Sink&& sink) const {
+        sink(Polygon{vertices, rgba});
+    }
+};
+static_assert(sizeof(VertexColoredTriangle) == 48);
+
+}  // namespace farfield

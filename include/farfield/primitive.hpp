@@ -1,0 +1,149 @@
+// What the user brings to be drawn: any type with a bounding box. "All that is required is to be able to determine the
+// bounding box of each primitive and to render it" (Chamberlain et al. 1996, section 4).
+//
+// A type plugs in by members or, where it cannot be changed, by a specialization of primitive_traits<T>:
+//
+//   bounds()         -> Box or BoxD       required: finite, lower <= upper; double where the scene is far from 0
+//   polygons(sink)   -> void              sink(Polygon) or sink(PolygonD) for each convex polygon it is made of
+//   color()          -> glm::vec4         mean color, not premultiplied, channels in [0, 1]
+//   work()           -> Work              what drawing it takes; default: one triangle
+//   visit_instance(f)-> bool              f(instance) and true if it is an Instance (instance.hpp), else false
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+#include <type_traits>
+
+#include "farfield/geometry/box.hpp"
+#include "farfield/geometry/polygon.hpp"
+#include "farfield/work.hpp"
+
+namespace farfield {
+
+/// Specialize for types that cannot have members; give static functions of the same names that take the primitive
+/// first. A specialization replaces this template whole.
+template <class P>
+struct primitive_traits {
+    static auto bounds(const P& p) requires requires { p.bounds(); }
+    { return p.bounds(); }
+    template <class Sink>
+    static void polygons(const P& p, Sink&& sink) requires requires {
+        p.polygons(sink);
+    }
+    { p.polygons(sink); }
+    static glm::vec4 color(const P& p) requires requires { p.color(); }
+    { return p.color(); }
+    static Work work(const P& p) requires requires { p.work(); }
+    { return p.work(); }
+    template <class F>
+    static bool visit_instance(const P& p, F&& f) requires requires {
+        p.visit_instance(f);
+    }
+    { return p.visit_instance(f); }
+};
+
+namespace archetype {
+struct PolygonSink {
+    void operator()(const Polygon&) const {}
+    void operator()(const PolygonD&) const {}
+};
+struct InstanceVisitor {
+    template <class Instance>
+    void operator()(const Instance&) const {}
+};
+}  // namespace archetype
+
+template <class B>
+concept SomeBox = std::same_as<B, Box> || std::same_as<B, BoxD>;
+
+template <class P>
+concept Primitive = requires(const P& p) {
+    { primitive_traits<P>::bounds(p) } -> SomeBox;
+};
+
+template <class P>
+concept PrimitiveWithPolygons = Primitive<P> && requires(const P& p, archetype::PolygonSink sink) {
+    primitive_traits<P>::polygons(p, sink);
+};
+
+template <class P>
+concept PrimitiveWithColor = Primitive<P> && requires(const P& p) {
+    { primitive_traits<P>::color(p) } -> std::convertible_to<glm::vec4>;
+};
+
+template <class P>
+concept PrimitiveWithWork = Primitive<P> && requires(const P& p) {
+    { primitive_traits<P>::work(p) } -> std::same_as<Work>;
+};
+
+template <class P>
+concept PrimitiveWithInstance = Primitive<P> && requires(const P& p, archetype::InstanceVisitor f) {
+    { primitive_traits<P>::visit_instance(p, f) } -> std::same_as<bool>;
+};
+
+template <Primitive P>
+Work work_of(const P& p) {
+    if constexpr (PrimitiveWithWork<P>) {
+        return primitive_traits<P>::work(p);
+    } else {
+        return {.triangles = 1};
+    }
+}
+
+template <Primitive P>
+inline constexpr bool has_double_bounds =
+    std::same_as<decltype(primitive_traits<P>::bounds(std::declval<const P&>())), BoxD>;
+
+/// A primitive as a hierarchy with this origin sees it.
+template <Primitive P>
+Box local_bounds(const P& p, glm::dvec3 origin) {
+    const auto b = primitive_traits<P>::bounds(p);
+    if constexpr (has_double_bounds<P>) {
+        return {glm::vec3(b.lower - origin), glm::vec3(b.upper - origin)};
+    } else {
+        // Not through double: a scene in single precision stays as it is where the origin is 0.
+        const glm::vec3 o(origin);
+        return {b.lower - o, b.upper - o};
+    }
+}
+
+/// Calls sink(Polygon) with the primitive's polygons less the origin. Polygons of more than 64 vertices in double are
+/// passed on as fans; vertices in single precision pass through untouched where the origin is 0.
+template <PrimitiveWithPolygons P, class Sink>
+void local_polygons(const P& p, glm::dvec3 origin, Sink&& sink) {
+    const auto moved = [&](const auto& polygon) {
+        constexpr std::size_t capacity = 64;
+        const std::size_t n = polygon.vertices.size();
+        if (n < 3 || polygon.colors.empty()) return;
+        const bool one_color = polygon.colors.size() < n;
+        glm::vec3 vertices[capacity];
+        Rgba8 colors[capacity];
+        for (std::size_t first = 1; first + 1 < n;) {
+            const std::size_t count = n - first < capacity - 1 ? n - first : capacity - 1;
+            vertices[0] = glm::vec3(glm::dvec3(polygon.vertices[0]) - origin);
+            colors[0] = polygon.colors[0];
+            for (std::size_t i = 0; i < count; ++i) {
+                vertices[i + 1] = glm::vec3(glm::dvec3(polygon.vertices[first + i]) - origin);
+                colors[i + 1] = polygon.colors[one_color ? 0 : first + i];
+            }
+            sink(Polygon{{vertices, count + 1}, {colors, one_color ? 1 : count + 1}});
+            first += count - 1;
+        }
+    };
+    struct Overloads {
+        decltype(moved)& move;
+        Sink& sink;
+        bool at_origin;
+        void operator()(const Polygon& polygon) const {
+            if (polygon.vertices.size() < 3 || polygon.colors.empty()) return;
+            at_origin ? void(sink(polygon)) : move(polygon);
+        }
+        void operator()(const PolygonD& polygon) const { move(polygon); }
+    };
+    primitive_traits<P>::polygons(p, Overloads{moved, sink, origin == glm::dvec3(0)});
+}
+
+}  // namespace farfield

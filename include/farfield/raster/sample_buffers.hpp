@@ -1,0 +1,215 @@
+// What a frame is drawn into: for each sample a z-buffer of geometry and, over it, the far field's color and
+// transmittance; and the picture that comes of them.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/raster/image.hpp"
+#include "farfield/raster/sample_projection.hpp"
+
+namespace farfield {
+
+/// A rectangle of samples, half open; empty where first >= end.
+struct SampleRect {
+    int x0 = std::numeric_limits<int>::max(), y0 = std::numeric_limits<int>::max();
+    int x1 = std::numeric_limits<int>::min(), y1 = std::numeric_limits<int>::min();
+
+    bool is_empty() const { return x0 >= x1 || y0 >= y1; }
+    void add(int left, int top, int right, int bottom) {
+        x0 = std::min(x0, left);
+        y0 = std::min(y0, top);
+        x1 = std::max(x1, right);
+        y1 = std::max(y1, bottom);
+    }
+    void add(const SampleRect& r) {
+        if (!r.is_empty()) add(r.x0, r.y0, r.x1, r.y1);
+    }
+};
+
+/// Samples are addressed relative to the projection's center sample. Only what the last frame drew is cleared.
+///
+/// The far field is front to back over the geometry: a deposit behind the z-buffer is dropped, the picture is what was
+/// deposited plus transmittance times the z-buffer's color. A sample that let nothing through, or whose geometry lies
+/// in front of a deposit, is *closed*: nothing that comes later in front-to-back order can change it.
+class SampleBuffers {
+  public:
+    struct FarSample {
+        float r = 0, g = 0, b = 0;  ///< premultiplied
+        float transmittance = 1;
+    };
+
+    void begin(const SampleProjection& to, int samples_a_side, Rgba8 background) {
+        const int width = to.end_x - to.first_x, height = to.end_y - to.first_y;
+        if (width != width_ || height != height_ || samples_a_side != side_ || !(background == background_)) {
+            resize(width, height, samples_a_side, background);
+        } else {
+            clear();
+        }
+        first_x_ = to.first_x;
+        first_y_ = to.first_y;
+    }
+
+    int samples_a_side() const { return side_; }
+    bool any_closed() const { return any_closed_; }
+
+    /// z and color of row y, to be indexed with x. Whoever writes says so by near_drawn().
+    float* depth_row(int y) { return depth_.data() + row(y) - first_x_; }
+    Rgba8* color_row(int y) { return color_.data() + row(y) - first_x_; }
+    void near_drawn(int x0, int y0, int x1, int y1) {
+        near_.add(x0 - first_x_, y0 - first_y_, x1 - first_x_, y1 - first_y_);
+    }
+
+    void begin_far() {
+        if (far_.empty()) far_.assign(depth_.size(), {});
+    }
+    void far_drawn(int x0, int y0, int x1, int y1) {
+        far_rect_.add(x0 - first_x_, y0 - first_y_, x1 - first_x_, y1 - first_y_);
+    }
+
+    /// `area` in units of the sample's own; `rgb` in [0, 1].
+    template <AreaLaw law>
+    void deposit(int x, int y, float q, float area, float r, float g, float b) {
+        const int column = x - first_x_;
+        std::uint64_t& word = open_[std::size_t(y - first_y_) * words_ + std::size_t(column >> 6)];
+        const std::uint64_t bit = std::uint64_t(1) << (column & 63);
+        if ((word & bit) == 0) return;
+        const std::size_t at = row(y) + std::size_t(column);
+        if (q <= depth_[at]) {
+            word &= ~bit;
+            any_closed_ = true;
+            return;
+        }
+        FarSample& s = far_[at];
+        float left = transmitted(s.transmittance, area, law);
+        if (left < closed_transmittance) {
+            left = 0;
+            word &= ~bit;
+            any_closed_ = true;
+        }
+        const float taken = s.transmittance - left;
+        s.r += taken * r;
+        s.g += taken * g;
+        s.b += taken * b;
+        s.transmittance = left;
+    }
+
+    /// Is every sample of a rectangle (relative to the center sample, ends included) closed? True of an empty one.
+    bool all_closed(int x0, int y0, int x1, int y1) const {
+        x0 = std::max(x0 - first_x_, 0);
+        y0 = std::max(y0 - first_y_, 0);
+        x1 = std::min(x1 - first_x_, width_ - 1);
+        y1 = std::min(y1 - first_y_, height_ - 1);
+        if (x0 > x1) return true;
+        const std::uint64_t all = ~std::uint64_t(0);
+        for (int y = y0; y <= y1; ++y) {
+            const std::uint64_t* words = open_.data() + std::size_t(y) * words_;
+            for (int w = x0 >> 6; w <= x1 >> 6; ++w) {
+                std::uint64_t mask = all;
+                if (w == x0 >> 6) mask &= all << (x0 & 63);
+                if (w == x1 >> 6) mask &= all >> (63 - (x1 & 63));
+                if (words[w] & mask) return false;
+            }
+        }
+        return true;
+    }
+
+    /// Box filter: the mean of a pixel's samples. Writes only what changed since the last resolve into the same image.
+    void resolve(Image& image) {
+        const int width = width_ / side_, height = height_ / side_;
+        if (image.width() != width || image.height() != height) {
+            image = Image(width, height, background_);
+            drawn_in_image_ = {};
+        }
+        for_pixels(drawn_in_image_, [&](int x, int y) { image.at(x, y) = background_; });
+        SampleRect drawn = near_;
+        drawn.add(far_rect_);
+        drawn_in_image_ = drawn;
+        if (far_rect_.is_empty() && side_ == 1) {
+            for_pixels(drawn, [&](int x, int y) { image.at(x, y) = color_[index(x, y)]; });
+        } else {
+            for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel(x, y); });
+        }
+    }
+
+  private:
+    std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
+    std::size_t row(int y) const { return std::size_t(y - first_y_) * std::size_t(width_); }
+
+    template <class F>
+    void for_pixels(const SampleRect& r, F&& f) const {
+        if (r.is_empty()) return;
+        for (int y = r.y0 / side_; y <= (r.y1 - 1) / side_; ++y) {
+            for (int x = r.x0 / side_; x <= (r.x1 - 1) / side_; ++x) f(x, y);
+        }
+    }
+
+    Rgba8 pixel(int px, int py) const {
+        glm::vec4 sum(0);
+        const bool has_far = !far_rect_.is_empty();
+        for (int y = py * side_; y < (py + 1) * side_; ++y) {
+            for (int x = px * side_; x < (px + 1) * side_; ++x) {
+                const Rgba8 c = color_[index(x, y)];
+                const glm::vec4 behind(float(c.r), float(c.g), float(c.b), float(c.a));
+                if (has_far) {
+                    const FarSample& s = far_[index(x, y)];
+                    sum += glm::vec4(s.r, s.g, s.b, 1 - s.transmittance) * 255.0f + behind * s.transmittance;
+                } else {
+                    sum += behind;
+                }
+            }
+        }
+        sum *= 1.0f / float(side_ * side_);
+        const auto byte = [](float v) { return std::uint8_t(std::min(v + 0.5f, 255.0f)); };
+        return {byte(sum.r), byte(sum.g), byte(sum.b), byte(sum.a)};
+    }
+
+    void resize(int width, int height, int samples_a_side, Rgba8 background) {
+        width_ = width;
+        height_ = height;
+        side_ = samples_a_side;
+        background_ = background;
+        words_ = std::size_t((width + 63) / 64);
+        const std::size_t count = std::size_t(width) * std::size_t(height);
+        depth_.assign(count, -std::numeric_limits<float>::infinity());
+        color_.assign(count, background);
+        far_.clear();
+        open_.assign(words_ * std::size_t(height), ~std::uint64_t(0));
+        near_ = far_rect_ = {};
+        drawn_in_image_ = {0, 0, width, height};
+        any_closed_ = false;
+    }
+
+    void clear() {
+        for (int y = near_.y0; y < near_.y1; ++y) {
+            const auto from = std::ptrdiff_t(index(near_.x0, y)), to = std::ptrdiff_t(index(near_.x1, y));
+            std::fill(depth_.begin() + from, depth_.begin() + to, -std::numeric_limits<float>::infinity());
+            std::fill(color_.begin() + from, color_.begin() + to, background_);
+        }
+        for (int y = far_rect_.y0; y < far_rect_.y1; ++y) {
+            std::fill(far_.begin() + std::ptrdiff_t(index(far_rect_.x0, y)),
+                      far_.begin() + std::ptrdiff_t(index(far_rect_.x1, y)), FarSample{});
+        }
+        if (any_closed_) std::fill(open_.begin(), open_.end(), ~std::uint64_t(0));
+        near_ = far_rect_ = {};
+        any_closed_ = false;
+    }
+
+    int width_ = 0, height_ = 0, side_ = 1;
+    int first_x_ = 0, first_y_ = 0;
+    Rgba8 background_{0, 0, 0, 0};
+    std::size_t words_ = 0;
+    std::vector<float> depth_;
+    std::vector<Rgba8> color_;  ///< opaque, or the background
+    std::vector<FarSample> far_;
+    std::vector<std::uint64_t> open_;  ///< one bit a sample, rows padded to words
+    bool any_closed_ = false;
+    SampleRect near_, far_rect_, drawn_in_image_;  ///< relative to the upper left sample
+};
+
+}  // namespace farfield

@@ -1,0 +1,68 @@
+// From a hierarchy's coordinates to the grid of samples.
+#pragma once
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "farfield/local_view.hpp"
+
+namespace farfield {
+
+/// Sample (i, j), rows downwards, has its center at (i + 1/2, j + 1/2). Coordinates are relative to the sample nearest
+/// to the image's center, so that snapping reaches equally far on both sides, and in 1/256 sample, to which it rounds.
+///
+/// Depth is kept as q, linear over the screen and larger when nearer: 1 / depth in perspective, -depth orthographic, of
+/// world depth, so that instances of any scale compare.
+struct SampleProjection {
+    /// Farther out than this many samples from the center, polygons are clipped: snapped to 1/256 sample, coordinates
+    /// fit 22 bits and a sign, where adding a constant rounds single precision to integers.
+    static constexpr float guard_band = 16000.0f;
+
+    glm::vec3 eye{0};
+    glm::vec3 right{1, 0, 0};  ///< scaled: dot(right, p - eye) is 1/256 samples times depth, or 1/256 samples
+    glm::vec3 down{0, -1, 0};
+    glm::vec3 forward{0, 0, -1};
+    float offset_x = 0, offset_y = 0;
+    /// 1 / (depth * depth_weight + depth_bias) is what x and y are multiplied by.
+    float depth_weight = 1, depth_bias = 0;
+    /// q = that * q_of_inverse + depth * q_of_depth.
+    float q_of_inverse = 1, q_of_depth = 0;
+    float near_depth = 0;
+    float samples_per_pixel_side = 1;
+    float focal = 1;  ///< in samples
+    bool is_perspective = true;
+    int first_x = 0, first_y = 0, end_x = 0, end_y = 0;  ///< the image, relative to the center sample
+
+    SampleProjection() = default;
+    SampleProjection(const LocalView& view, int samples_a_side) {
+        const int width = view.width * samples_a_side, height = view.height * samples_a_side;
+        eye = view.eye;
+        focal = view.focal_px * float(samples_a_side);
+        right = view.right * (focal * 256);
+        down = -view.up * (focal * 256);
+        forward = view.forward;
+        first_x = -(width / 2);
+        first_y = -(height / 2);
+        end_x = first_x + width;
+        end_y = first_y + height;
+        offset_x = 128.0f * float(width) + 256.0f * float(first_x);
+        offset_y = 128.0f * float(height) + 256.0f * float(first_y);
+        is_perspective = view.is_perspective;
+        depth_weight = is_perspective ? 1.0f : 0.0f;
+        depth_bias = 1.0f - depth_weight;
+        q_of_inverse = is_perspective ? 1.0f / view.scale : 0.0f;
+        q_of_depth = is_perspective ? 0.0f : -view.scale;
+        near_depth = view.near_depth;
+        samples_per_pixel_side = float(samples_a_side);
+    }
+
+    /// Before division: (x, y) 1/256 samples times w, and depth.
+    glm::vec3 project(glm::vec3 p) const {
+        const glm::vec3 d = p - eye;
+        return {glm::dot(right, d), glm::dot(down, d), glm::dot(forward, d)};
+    }
+    float inverse_w(float depth) const { return 1.0f / (depth * depth_weight + depth_bias); }
+    float q(float depth, float inverse) const { return inverse * q_of_inverse + depth * q_of_depth; }
+};
+
+}  // namespace farfield

@@ -1,0 +1,123 @@
+// Which samples does a triangle cover? Exact, in integers: triangles that share an edge cover each sample once.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "farfield/raster/sample_projection.hpp"
+
+namespace farfield {
+
+/// A triangle snapped to 1/256 sample, |coordinates| < 2^22. q at the corners.
+struct SnappedTriangle {
+    std::int32_t x[3];
+    std::int32_t y[3];
+    float q[3];
+
+    /// Twice the area in 1/65536 squared samples; positive: clockwise on the screen (rows run downwards).
+    std::int64_t doubled_area() const {
+        return std::int64_t(x[1] - x[0]) * (y[2] - y[0]) - std::int64_t(x[2] - x[0]) * (y[1] - y[0]);
+    }
+};
+
+/// q over the screen: a plane, kept inside what the corners span, for a sliver's plane is steep.
+struct DepthPlane {
+    float at_origin, by_x, by_y, lowest, highest;  ///< at the center of sample (0, 0); a sample
+
+    DepthPlane(const SnappedTriangle& t, std::int64_t doubled_area) {
+        const float scale = 256.0f / float(doubled_area);
+        const float q1 = t.q[1] - t.q[0], q2 = t.q[2] - t.q[0];
+        by_x = (q1 * float(t.y[2] - t.y[0]) - q2 * float(t.y[1] - t.y[0])) * scale;
+        by_y = (q2 * float(t.x[1] - t.x[0]) - q1 * float(t.x[2] - t.x[0])) * scale;
+        base_x_ = (128.0f - float(t.x[0])) * (1.0f / 256);
+        base_y_ = (128.0f - float(t.y[0])) * (1.0f / 256);
+        at_origin = t.q[0];
+        lowest = std::min(t.q[0], std::min(t.q[1], t.q[2]));
+        highest = std::max(t.q[0], std::max(t.q[1], t.q[2]));
+    }
+    /// Distances to the first corner are small where the triangle is: no cancellation against the screen's origin.
+    float row(int y) const { return at_origin + by_y * (float(y) + base_y_); }
+    float at(float row, int x) const {
+        const float q = row + by_x * (float(x) + base_x_);
+        return q < lowest ? lowest : q > highest ? highest : q;
+    }
+
+  private:
+    float base_x_, base_y_;
+};
+
+namespace detail {
+
+/// E(i, j) = value + by_x i + by_y j is 0 or more inside, at samples relative to the box's first one. Of the samples on
+/// an edge those belong to the triangle that has it at its top or left.
+template <class Int>
+struct Edge {
+    Int value, by_x, by_y;
+
+    Edge(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1, int first_x, int first_y) {
+        const Int dx = Int(x1) - x0, dy = Int(y1) - y0;
+        const Int bias = (dy < 0 || (dy == 0 && dx > 0)) ? 0 : -1;
+        value = dx * (Int(first_y) * 256 + 128 - y0) - dy * (Int(first_x) * 256 + 128 - x0) + bias;
+        by_x = -dy * 256;
+        by_y = dx * 256;
+    }
+    /// The samples of a row where the edge is not negative, as bounds on i.
+    void narrow(Int row_value, std::int64_t& first, std::int64_t& last) const {
+        if (by_x == 0) {
+            if (row_value < 0) last = -1;
+        } else if (by_x > 0) {
+            if (row_value < 0) first = std::max<std::int64_t>(first, (-std::int64_t(row_value) + by_x - 1) / by_x);
+        } else if (row_value < 0) {
+            last = -1;
+        } else {
+            last = std::min<std::int64_t>(last, std::int64_t(row_value) / -by_x);
+        }
+    }
+};
+
+template <class Int, class Row>
+void scan_box(const SnappedTriangle& t, int x0, int y0, int x1, int y1, Row&& row) {
+    const Edge<Int> e0(t.x[0], t.y[0], t.x[1], t.y[1], x0, y0), e1(t.x[1], t.y[1], t.x[2], t.y[2], x0, y0),
+        e2(t.x[2], t.y[2], t.x[0], t.y[0], x0, y0);
+    Int v0 = e0.value, v1 = e1.value, v2 = e2.value;
+    const int width = x1 - x0 + 1;
+    for (int y = y0; y <= y1; ++y, v0 += e0.by_y, v1 += e1.by_y, v2 += e2.by_y) {
+        if (width <= 8) {
+            // Walking beats dividing in short rows.
+            Int a = v0, b = v1, c = v2;
+            int first = 0;
+            while (first < width && (a | b | c) < 0) a += e0.by_x, b += e1.by_x, c += e2.by_x, ++first;
+            int end = first;
+            while (end < width && (a | b | c) >= 0) a += e0.by_x, b += e1.by_x, c += e2.by_x, ++end;
+            if (first < end) row(y, x0 + first, x0 + end);
+        } else {
+            std::int64_t first = 0, last = width - 1;
+            e0.narrow(v0, first, last);
+            e1.narrow(v1, first, last);
+            e2.narrow(v2, first, last);
+            if (first <= last) row(y, x0 + int(first), x0 + int(last) + 1);
+        }
+    }
+}
+
+}  // namespace detail
+
+/// Calls row(y, begin, end) for each row of covered samples, inside the projection's image. The triangle must be
+/// clockwise on the screen, doubled_area() > 0.
+template <class Row>
+void scan_convert(const SnappedTriangle& t, const SampleProjection& image, Row&& row) {
+    const auto [low_x, high_x] = std::minmax({t.x[0], t.x[1], t.x[2]});
+    const auto [low_y, high_y] = std::minmax({t.y[0], t.y[1], t.y[2]});
+    const int x0 = std::max((low_x + 127) >> 8, image.first_x), x1 = std::min((high_x - 128) >> 8, image.end_x - 1);
+    const int y0 = std::max((low_y + 127) >> 8, image.first_y), y1 = std::min((high_y - 128) >> 8, image.end_y - 1);
+    if (x0 > x1 || y0 > y1) return;
+    // Edges up to 2^14 long in both directions have values below 2^31 anywhere in their box.
+    if (high_x - low_x < 1 << 14 && high_y - low_y < 1 << 14) {
+        detail::scan_box<std::int32_t>(t, x0, y0, x1, y1, row);
+    } else {
+        detail::scan_box<std::int64_t>(t, x0, y0, x1, y1, row);
+    }
+}
+
+}  // namespace farfield

@@ -1,0 +1,79 @@
+// Which triangles hold a sample at all? Far away nearly none does, and a triangle must then cost next to nothing: it is
+// transformed, snapped and rejected many at a step, before any set-up.
+//
+// The same source is compiled for vectors of one, four and eight lanes; eight are taken at run time where the processor
+// has AVX2. Fused multiply-add is left out on purpose: all widths compute the same bits.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/triangle_stream.hpp"
+
+namespace farfield {
+
+/// Corners in 1/256 sample, relative to the center sample, to be snapped; valid for lanes in TriageMasks::draw.
+struct TriagedBlock {
+    float x[3][TriangleBlock::lanes];
+    float y[3][TriangleBlock::lanes];
+    float depth[3][TriangleBlock::lanes];
+};
+
+/// One bit a lane.
+struct TriageMasks {
+    unsigned draw;  ///< may hold a sample of the image
+    unsigned clip;  ///< crosses the near plane or leaves the guard band: see polygon_clip.hpp
+};
+
+enum class Simd : std::uint8_t { automatic, scalar, four_lanes, eight_lanes };
+
+/// Adding it rounds any float below 2^22 to the nearest integer, and leaves that in the low bits.
+inline constexpr float snap_rounder = 12582912.0f;
+inline constexpr std::int32_t snap_rounder_bits = 0x4b400000;
+inline std::int32_t snapped_to_256th(float v) {
+    return std::bit_cast<std::int32_t>(v + snap_rounder) - snap_rounder_bits;
+}
+
+#define FARFIELD_LANES 1
+namespace one_lane {
+#include "farfield/raster/triangle_triage.inl"
+}
+#undef FARFIELD_LANES
+#define FARFIELD_LANES 4
+namespace four_lanes {
+#include "farfield/raster/triangle_triage.inl"
+}
+#undef FARFIELD_LANES
+
+#if defined(__x86_64__)
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2")
+#endif
+#define FARFIELD_LANES 8
+namespace eight_lanes {
+#include "farfield/raster/triangle_triage.inl"
+}
+#undef FARFIELD_LANES
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif
+
+using TriageFunction = TriageMasks (*)(const TriangleBlock&, const SampleProjection&, TriagedBlock&);
+
+/// The widest that the processor has, or the one asked for; eight lanes fall back to four where there are none.
+inline TriageFunction triage_function(Simd simd) {
+    if (simd == Simd::scalar) return &one_lane::triage_any;
+#if defined(__x86_64__)
+    if (simd != Simd::four_lanes && __builtin_cpu_supports("avx2")) return &eight_lanes::triage_any;
+#endif
+    return &four_lanes::triage_any;
+}
+
+}  // namespace farfield

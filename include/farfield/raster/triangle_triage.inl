@@ -1,0 +1,88 @@
+// One idea, compiled once for each width of vectors: see triangle_triage.hpp. No include guard; expects
+// FARFIELD_LANES (1, 4 or 8) and to stand inside a namespace of its own.
+
+typedef float Floats __attribute__((vector_size(4 * FARFIELD_LANES)));
+typedef std::int32_t Ints __attribute__((vector_size(4 * FARFIELD_LANES)));
+
+// The conditional operator, lane by lane: compilers know these as single instructions.
+inline Floats lower(Floats a, Floats b) {
+    return a < b ? a : b;
+}
+inline Floats upper(Floats a, Floats b) {
+    return a > b ? a : b;
+}
+
+inline unsigned bits(Ints where) {
+#if FARFIELD_LANES == 8 && defined(__x86_64__)
+    return unsigned(__builtin_ia32_movmskps256((Floats)where));
+#elif FARFIELD_LANES == 4 && defined(__x86_64__)
+    return unsigned(__builtin_ia32_movmskps((Floats)where));
+#else
+    unsigned out = 0;
+    for (unsigned lane = 0; lane < FARFIELD_LANES; ++lane) out |= unsigned(where[lane] & 1) << lane;
+    return out;
+#endif
+}
+
+inline Floats load(const float* p) {
+    Floats v;
+    __builtin_memcpy(&v, p, sizeof v);
+    return v;
+}
+template <class V, class T>
+inline void store(T* p, V v) {
+    __builtin_memcpy(p, &v, sizeof v);
+}
+
+inline Ints snapped(Floats v) {
+    // 1.5 * 2^23: the sum's last bit is worth one, and the bits below the constant's are the integer.
+    return (Ints)(v + snap_rounder) - snap_rounder_bits;
+}
+
+template <bool perspective>
+inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to, TriagedBlock& out) {
+    TriageMasks masks{0, 0};
+    for (unsigned first = 0; first < TriangleBlock::lanes; first += FARFIELD_LANES) {
+        Floats x[3], y[3];
+        Ints behind[3];
+        for (unsigned c = 0; c < 3; ++c) {
+            const Floats dx = load(block.v[3 * c] + first) - to.eye.x;
+            const Floats dy = load(block.v[3 * c + 1] + first) - to.eye.y;
+            const Floats dz = load(block.v[3 * c + 2] + first) - to.eye.z;
+            const Floats depth = dx * to.forward.x + dy * to.forward.y + dz * to.forward.z;
+            x[c] = dx * to.right.x + dy * to.right.y + dz * to.right.z;
+            y[c] = dx * to.down.x + dy * to.down.y + dz * to.down.z;
+            if constexpr (perspective) {
+                const Floats inverse = 1.0f / depth;
+                x[c] *= inverse;
+                y[c] *= inverse;
+            }
+            x[c] += to.offset_x;
+            y[c] += to.offset_y;
+            behind[c] = (Ints)(depth < to.near_depth);
+            store(out.x[c] + first, x[c]);
+            store(out.y[c] + first, y[c]);
+            store(out.depth[c] + first, depth);
+        }
+        // Rounding keeps order: the box is snapped, its corners where it matters.
+        const Floats low_x = lower(lower(x[0], x[1]), x[2]), high_x = upper(upper(x[0], x[1]), x[2]);
+        const Floats low_y = lower(lower(y[0], y[1]), y[2]), high_y = upper(upper(y[0], y[1]), y[2]);
+        const float guard = SampleProjection::guard_band * 256;
+        const Ints in_guard_band =
+            (Ints)(low_x > -guard) & (Ints)(high_x < guard) & (Ints)(low_y > -guard) & (Ints)(high_y < guard);
+        const Ints gone = behind[0] & behind[1] & behind[2];
+        const Ints clip = (~in_guard_band | behind[0] | behind[1] | behind[2]) & ~gone;
+        // Samples i with 256 i + 128 inside [lowest, highest].
+        const Ints x0 = (snapped(low_x) + 127) >> 8, x1 = (snapped(high_x) - 128) >> 8;
+        const Ints y0 = (snapped(low_y) + 127) >> 8, y1 = (snapped(high_y) - 128) >> 8;
+        const Ints holds_no_sample = (Ints)(x0 > x1) | (Ints)(y0 > y1) | (Ints)(x0 >= to.end_x) |
+                                     (Ints)(y0 >= to.end_y) | (Ints)(x1 < to.first_x) | (Ints)(y1 < to.first_y);
+        masks.draw |= bits(~(holds_no_sample | clip | gone)) << first;
+        masks.clip |= bits(clip) << first;
+    }
+    return masks;
+}
+
+inline TriageMasks triage_any(const TriangleBlock& block, const SampleProjection& to, TriagedBlock& out) {
+    return to.is_perspective ? triage<true>(block, to, out) : triage<false>(block, to, out);
+}

@@ -1,0 +1,129 @@
+// What the user brings to draw with: ranges of primitives always; faces, splats and answers about occlusion where the
+// renderer's facts say so.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "farfield/cell.hpp"
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/local_view.hpp"
+#include "farfield/primitive.hpp"
+
+namespace farfield {
+
+/// In which order cells are visited.
+enum class Order : std::uint8_t { any, front_to_back, back_to_front };
+
+/// How strict an order is: none, between cells, or between primitives.
+enum class Ordering : std::uint8_t { none, cells, primitives };
+
+/// Positions [first, first + count) in a hierarchy's order of items.
+struct Range {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+};
+
+/// Where the primitives of a run come from. Spans stay valid as long as the viewer that hands it over.
+template <class P>
+struct Source {
+    std::span<const P> primitives;
+    std::span<const std::uint32_t> order;  ///< position -> index into primitives; empty: positions are indices
+    std::uint32_t item_count = 0;          ///< number of positions; larger than primitives.size() where shared
+    glm::dvec3 origin{0};                  ///< subtract it from the primitive's coordinates to get the local ones
+    std::uint32_t id = 0;                  ///< what page_in returned for it
+
+    const P& operator[](std::uint32_t position) const { return primitives[order.empty() ? position : order[position]]; }
+};
+
+/// A node of a hierarchy, unique over all paths of instances and stable from frame to frame.
+struct CellId {
+    std::uint64_t path = 0;  ///< a hash of the primitives entered from the outermost hierarchy on; 0: none
+    std::uint32_t node = 0;
+};
+
+/// A far-field face: an axis-aligned rectangle in local coordinates, lower == upper on its axis.
+struct Face {
+    glm::vec3 lower;
+    glm::vec3 upper;
+    Rgba8 rgba;         ///< premultiplied; alpha is the opacity seen squarely
+    std::uint8_t side;  ///< 0..5: looks to -x, +x, -y, +y, -z, +z
+};
+
+/// A far-field cell small enough to have no shape: `area` is deposited over `footprint` by the area law
+/// (geometry/area_law.hpp). Both are projected areas, squarely towards the viewer, in squared local units.
+struct Splat {
+    glm::vec3 center;
+    float footprint;
+    float area;
+    Rgba8 rgb;  ///< of what covers, not premultiplied; alpha holds the area law's class
+};
+
+/// What a renderer promises and asks. Each flag makes the hook beside it required, so that a misspelt hook is an
+/// error and not silence.
+struct RendererFacts {
+    Order order = Order::any;                      ///< in which cells' primitives are wanted
+    Ordering needs_ordering = Ordering::none;      ///< how strict that order has to be
+    Order far_field_order = Order::front_to_back;  ///< back_to_front: stand-ins are replayed after everything else
+    bool keeps_sources = false;   ///< std::uint32_t page_in(Source<P>) once a source, page_out(id) when it goes
+    bool draws_faces = false;     ///< draw(std::span<const Face>)
+    bool draws_splats = false;    ///< draw(std::span<const Splat>), float largest_splat_px()
+    bool answers_hidden = false;  ///< bool hidden(const Cell&, CellId): may err only towards false
+};
+
+template <class R>
+concept StatesItsFacts = requires {
+    { R::facts } -> std::convertible_to<RendererFacts>;
+};
+
+template <class R>
+concept HasFrames = requires(R& r, const LocalView& view) {
+    r.begin_frame(view);  // the outermost hierarchy's coordinates
+    r.set_view(view);     // what follows is in this view's coordinates
+    r.end_frame();
+};
+
+/// Ranges come in groups; within a group their order is free.
+template <class R, class P>
+concept DrawsRuns = requires(R& r, const Source<P>& source, std::span<const Range> ranges) {
+    r.draw(source, ranges);
+};
+
+template <class R, class P>
+concept KeepsSources = requires(R& r, const Source<P>& source, std::uint32_t id) {
+    { r.page_in(source) } -> std::same_as<std::uint32_t>;
+    r.page_out(id);
+};
+
+template <class R>
+concept DrawsFaces = requires(R& r, std::span<const Face> faces) {
+    r.draw(faces);
+};
+
+template <class R>
+concept DrawsSplats = requires(R& r, std::span<const Splat> splats) {
+    r.draw(splats);
+    { r.largest_splat_px() } -> std::convertible_to<float>;
+};
+
+template <class R>
+concept AnswersHidden = requires(R& r, const Cell& cell, CellId id) {
+    { r.hidden(cell, id) } -> std::same_as<bool>;
+};
+
+template <class R, class P>
+concept KeepsSourcesIfStated = !R::facts.keeps_sources || KeepsSources<R, P>;
+template <class R>
+concept DrawsFacesIfStated = !R::facts.draws_faces || DrawsFaces<R>;
+template <class R>
+concept DrawsSplatsIfStated = !R::facts.draws_splats || DrawsSplats<R>;
+template <class R>
+concept AnswersHiddenIfStated = !R::facts.answers_hidden || AnswersHidden<R>;
+
+template <class R, class P>
+concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && KeepsSourcesIfStated<R, P> &&
+    DrawsFacesIfStated<R> && DrawsSplatsIfStated<R> && AnswersHiddenIfStated<R>;
+
+}  // namespace farfield

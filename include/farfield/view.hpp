@@ -1,0 +1,90 @@
+// Who looks, from where, and how exactly: what a user says once a frame.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <stdexcept>
+
+namespace farfield {
+
+enum class Projection : std::uint8_t { perspective, orthographic };
+
+/// A camera in the user's coordinates. The eye is double, so that it may be far from the origin; the axes are
+/// orthonormal, right-handed with `forward` = up x right reversed, that is right = forward x up.
+struct Camera {
+    glm::dvec3 eye{0.0};
+    glm::vec3 right{1, 0, 0};
+    glm::vec3 up{0, 1, 0};
+    glm::vec3 forward{0, 0, -1};
+    Projection projection = Projection::perspective;
+    /// Perspective: tangent of half the vertical field of view. Orthographic: half the height seen, in world units.
+    float half_height = 0.577350269f;
+    /// Nothing nearer than this depth along `forward` is drawn, world units. 0 chooses 2^-16 of the scene's diagonal
+    /// for perspective and nothing is cut for orthographic views. There is no far plane.
+    float near_depth = 0;
+
+    /// Throws std::invalid_argument where the numbers do not make a camera (eye on the target, up along the view,
+    /// a field of view outside (0, pi), NaN).
+    static Camera perspective(glm::dvec3 eye, glm::dvec3 target, glm::vec3 up, float vertical_fov_radians,
+                              float near_depth = 0) {
+        if (!(vertical_fov_radians > 0 && vertical_fov_radians < 3.14159f)) {
+            throw std::invalid_argument("farfield::Camera: the field of view must lie between 0 and pi radians");
+        }
+        return looking(eye, target, up, Projection::perspective, std::tan(vertical_fov_radians / 2), near_depth);
+    }
+    /// `height` is what the image's height shows, in world units.
+    static Camera orthographic(glm::dvec3 eye, glm::dvec3 target, glm::vec3 up, float height, float near_depth = 0) {
+        if (!(height > 0)) throw std::invalid_argument("farfield::Camera: the height seen must be above 0");
+        return looking(eye, target, up, Projection::orthographic, height / 2, near_depth);
+    }
+
+  private:
+    static Camera looking(glm::dvec3 eye, glm::dvec3 target, glm::vec3 up, Projection projection, float half_height,
+                          float near_depth) {
+        const glm::dvec3 forward = target - eye;
+        const glm::dvec3 right = glm::cross(forward, glm::dvec3(up));
+        const double lengths = glm::length(forward) * glm::length(right);
+        if (!(lengths > 0) || !std::isfinite(lengths)) {
+            throw std::invalid_argument("farfield::Camera: eye, target and up must be finite and span a plane");
+        }
+        if (!(near_depth >= 0)) throw std::invalid_argument("farfield::Camera: near_depth must be 0 or more");
+        const glm::dvec3 f = glm::normalize(forward);
+        const glm::dvec3 r = glm::normalize(right);
+        return {eye, glm::vec3(r), glm::vec3(glm::cross(r, f)), glm::vec3(f), projection, half_height, near_depth};
+    }
+};
+
+/// What the distance of a cell means in its error. `nearest_point` of its box is safe in every direction of view;
+/// `depth` along the viewing direction is that of Chamberlain 1995, section 3.1, whose levels change at planes.
+enum class DistanceMeasure : std::uint8_t { nearest_point, depth };
+
+/// One frame's wishes. Pixels are square.
+struct View {
+    Camera camera;
+    int width = 512;  ///< image size in pixels
+    int height = 512;
+    /// A stand-in is drawn where its error is at most this many pixels; 0 draws every primitive exactly.
+    float tolerance_px = 1;
+    DistanceMeasure distance = DistanceMeasure::nearest_point;
+};
+
+/// What a frame did. Counts, never times: who wants times holds the watch.
+struct FrameStats {
+    static constexpr int max_levels = 64;
+
+    std::uint64_t primitives = 0;      ///< primitives handed to the renderer, instances excluded
+    std::uint64_t runs = 0;            ///< ranges they were handed over in
+    std::uint64_t approximations = 0;  ///< stand-ins drawn
+    std::uint64_t faces = 0;           ///< far-field faces handed over
+    std::uint64_t splats = 0;          ///< far-field deposits handed over
+    std::uint64_t cells_visited = 0;
+    std::uint64_t cells_outside = 0;                         ///< culled by the frustum
+    std::uint64_t cells_hidden = 0;                          ///< culled because the renderer said so
+    std::uint64_t instances = 0;                             ///< instances entered
+    std::uint64_t touched_bytes = 0;                         ///< working set: nodes, stand-ins and item indices read
+    std::uint64_t approximations_by_level[max_levels] = {};  ///< by depth in their own hierarchy
+};
+
+}  // namespace farfield

@@ -1,0 +1,395 @@
+// One viewer's frames over one hierarchy. All that lives across frames lives here; hierarchies never change.
+//
+//     outside the frustum, or hidden as far as the renderer can tell   -> cull
+//     has a stand-in whose error from here is within tolerance         -> draw the stand-in
+//     nothing below can stand in and all of it lies in the frustum     -> draw the subtree's primitives, one run
+//     otherwise                                                        -> draw the own run, visit the children in order
+//
+// The Render procedure of Chamberlain et al. 1995, section 3.1, with culling as in 1996; the third line is ours and
+// makes near geometry as cheap as without a hierarchy. Selecting and drawing are one descent as long as no policy keeps
+// images across frames.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "farfield/geometry/frustum.hpp"
+#include "farfield/policy.hpp"
+#include "farfield/spatial_hierarchy.hpp"
+
+namespace farfield {
+
+/// The order of a descent, settled at compile time. Translucent stand-ins need front to back, so that closed pixels
+/// stop work; a renderer that can only blend back to front is replayed them reversed after everything else.
+template <class H, class R>
+inline constexpr Order traversal_order = H::approximation_type::facts.stands_in ? Order::front_to_back : R::facts.order;
+
+namespace detail {
+inline constexpr auto bits_set = [] {
+    std::array<std::uint8_t, 256> table{};
+    for (unsigned i = 1; i < 256; ++i) table[i] = std::uint8_t(table[i / 2] + i % 2);
+    return table;
+}();
+}  // namespace detail
+
+/// Borrows hierarchy, primitives and renderer, which outlive it. Not to be used by two threads at once; many viewers
+/// may share a hierarchy. Frames do not allocate once buffers have grown to what the scene needs.
+template <class H, class P, class R>
+requires BuildableFrom<H, P> && DrawableWith<H, P, R>
+class Viewer {
+  public:
+    /// Throws std::invalid_argument if the span is not the one (by count; for hierarchies from files also by bounds)
+    /// that the hierarchy, or an instance in it, was built from.
+    Viewer(const H& hierarchy, std::span<const P> primitives, R& renderer)
+        : hierarchy_(hierarchy), primitives_(primitives), renderer_(renderer) {
+        add_source(hierarchy, primitives);
+        std::sort(sources_.begin(), sources_.end(), before);
+    }
+    ~Viewer() {
+        if constexpr (R::facts.keeps_sources) {
+            for (const SourceState& s : sources_) renderer_.page_out(s.id);
+        }
+    }
+    Viewer(const Viewer&) = delete;
+    Viewer& operator=(const Viewer&) = delete;
+
+    /// Draws into the renderer. Never throws but for memory.
+    FrameStats frame(const View& view) {
+        stats_ = {};
+        deferred_.clear();
+        deferred_views_.clear();
+        const Box& b = hierarchy_.bounds();
+        const float diagonal = b.is_empty() ? 1.0f : std::sqrt(glm::dot(b.size(), b.size()));
+        const LocalView local(view, hierarchy_.origin(), diagonal);
+        renderer_.begin_frame(local);
+        renderer_.set_view(local);
+        enter(hierarchy_, primitives_, local, 0);
+        replay_deferred();
+        renderer_.end_frame();
+        return stats_;
+    }
+
+  private:
+    static constexpr bool defers = R::facts.far_field_order == Order::back_to_front;
+    static constexpr std::size_t batch = 256;
+    /// A subtree that crosses the frustum's border is not culled any finer than this many items: see Exact.
+    static constexpr std::uint32_t culling_pays_above = 128;
+
+    /// What a viewer keeps of each hierarchy it may meet.
+    struct SourceState {
+        const void* hierarchy = nullptr;
+        const void* primitives = nullptr;
+        std::uint32_t id = 0;
+        std::vector<std::uint32_t> stamps{};  ///< by primitive: the last epoch it was drawn in; shared items only
+        std::uint32_t epoch = 0;
+    };
+    /// One entry of a hierarchy: the outermost one, or an instance.
+    template <class H2, class P2>
+    struct Visit {
+        const H2& hierarchy;
+        Source<P2> source;
+        const LocalView& view;
+        std::uint64_t path;
+        SourceState& state;
+    };
+    struct Deferred {
+        std::uint32_t view;
+        Face face;
+    };
+
+    static bool before(const SourceState& a, const SourceState& b) {
+        const std::less<const void*> less;
+        return a.hierarchy != b.hierarchy ? less(a.hierarchy, b.hierarchy) : less(a.primitives, b.primitives);
+    }
+
+    template <class H2, class P2>
+    static Source<P2> source_of(const H2& h, std::span<const P2> primitives, std::uint32_t id) {
+        return {primitives, h.order(), h.item_count(), h.origin(), id};
+    }
+
+    template <class H2, class P2>
+    void add_source(const H2& h, std::span<const P2> primitives) {
+        for (const SourceState& s : sources_) {
+            if (s.hierarchy == &h && s.primitives == primitives.data()) return;
+        }
+        if (primitives.size() != h.primitive_count()) {
+            throw std::invalid_argument("farfield::Viewer: the hierarchy was built from " +
+                                        std::to_string(h.primitive_count()) + " primitives and is given " +
+                                        std::to_string(primitives.size()));
+        }
+        if (h.is_from_file() && detail::fingerprint_of(primitives) != h.fingerprint()) {
+            throw std::invalid_argument(
+                "farfield::Viewer: the hierarchy in the file was built from other primitives, or in another order");
+        }
+        SourceState state{&h, primitives.data()};
+        if constexpr (R::facts.keeps_sources) state.id = renderer_.page_in(source_of(h, primitives, 0));
+        if constexpr (H2::assignment == shared) state.stamps.assign(primitives.size(), 0);
+        sources_.push_back(std::move(state));
+        if constexpr (PrimitiveWithInstance<P2>) {
+            for (const P2& p : primitives) {
+                primitive_traits<P2>::visit_instance(
+                    p, [&](const auto& instance) { add_source(*instance.hierarchy, instance.primitives); });
+            }
+        }
+    }
+
+    template <class H2, class P2>
+    void enter(const H2& h, std::span<const P2> primitives, const LocalView& view, std::uint64_t path) {
+        static_assert(DrawableWith<H2, P2, R>, "the renderer must be able to draw what instances hold");
+        if (h.item_count() == 0) return;
+        const auto found =
+            std::lower_bound(sources_.begin(), sources_.end(), SourceState{&h, primitives.data()}, before);
+        SourceState& state = *found;
+        if constexpr (H2::assignment == shared) {
+            if (++state.epoch == 0) {  // wrapped: every old stamp would look like a new one
+                std::fill(state.stamps.begin(), state.stamps.end(), 0u);
+                state.epoch = 1;
+            }
+        }
+        Visit<H2, P2> v{h, source_of(h, primitives, state.id), view, path, state};
+        if constexpr (defers) deferred_views_.push_back(view);
+        visit(v, 0, h.root_cell(), h.item_count(), h.root_stand_in(), all_planes);
+        flush(v);
+    }
+
+    template <class V, class CellData>
+    void visit(V& v, std::uint32_t index, const Cell& cell, std::uint32_t end_item, const CellData* data,
+               PlaneMask mask) {
+        ++stats_.cells_visited;
+        if (mask != 0) {
+            mask = crossed_planes(v.view.planes, cell.bounds_center, cell.bounds_half, mask);
+            if (mask == outside_a_plane) {
+                ++stats_.cells_outside;
+                return;
+            }
+        }
+        const auto& h = v.hierarchy;
+        using A = typename std::remove_cvref_t<decltype(h)>::approximation_type;
+        const Node& node = h.nodes()[index];
+        bool may_stand_in_below = false;
+        if constexpr (A::facts.stands_in) {
+            const A& approximation = h.approximation_policy();
+            if (data != nullptr && approximation.error_px(*data, cell, v.view) <= v.view.tolerance_px) {
+                stand_in(v, *data, cell);
+                return;
+            }
+            may_stand_in_below = node.levels_to_last_stand_in != Node::nothing_below;
+            if constexpr (A::facts.bounds_error && H::partition_type::facts.halves) {
+                may_stand_in_below =
+                    may_stand_in_below &&
+                    approximation.least_error_px(cell, node.levels_to_last_stand_in, v.view) <= v.view.tolerance_px;
+            }
+            if constexpr (R::facts.answers_hidden) {
+                if (renderer_.hidden(cell, CellId{v.path, index})) {
+                    ++stats_.cells_hidden;
+                    return;
+                }
+            }
+        }
+        if (node.child_mask == 0 ||
+            (!may_stand_in_below && (mask == 0 || end_item - node.first_item <= culling_pays_above))) {
+            draw_items(v, node.first_item, end_item);
+            return;
+        }
+        visit_children(v, index, node, cell, end_item, mask);
+    }
+
+    template <class V>
+    void visit_children(V& v, std::uint32_t index, const Node& node, const Cell& cell, std::uint32_t end_item,
+                        PlaneMask mask) {
+        const auto& h = v.hierarchy;
+        using H2 = std::remove_cvref_t<decltype(h)>;
+        const std::span<const Node> nodes = h.nodes();
+        const auto& node_data = h.data_of(index);
+        if (nodes[node.first_child].first_item != node.first_item) {
+            draw_items(v, node.first_item, nodes[node.first_child].first_item);
+        }
+        ChildOrder order{0, 1, 2, 3, 4, 5, 6, 7};
+        if constexpr (traversal_order<H2, R> != Order::any) {
+            h.partition_policy().front_to_back(cell, node_data, v.view.viewpoint(), order);
+        }
+        if constexpr (traversal_order<H2, R> == Order::back_to_front) std::reverse(order.begin(), order.end());
+        const unsigned children = detail::bits_set[node.child_mask];
+        for (const unsigned child : order) {
+            if ((node.child_mask >> child & 1) == 0) continue;
+            const unsigned below = (1u << child) - 1;
+            const unsigned rank = detail::bits_set[node.child_mask & below];
+            const std::uint32_t at = node.first_child + rank;
+            const typename H2::cell_data* data = nullptr;
+            if constexpr (H2::approximation_type::facts.stands_in) {
+                if (node.stand_in_mask >> child & 1) {
+                    data = &h.stand_ins()[node.first_child_data + detail::bits_set[node.stand_in_mask & below]];
+                }
+            }
+            visit(v, at, h.partition_policy().child(cell, node_data, child),
+                  rank + 1 < children ? nodes[at + 1].first_item : end_item, data, mask);
+        }
+    }
+
+    template <class V, class CellData>
+    void stand_in(V& v, const CellData& data, const Cell& cell) {
+        struct Sink {
+            Viewer& viewer;
+            V& v;
+            float splat_limit_px;
+            void operator()(const Face& face) const { viewer.add(v, face); }
+            void operator()(const Splat& splat) const { viewer.add(v, splat); }
+        };
+        float limit_px = 0;
+        if constexpr (R::facts.draws_splats && !defers) limit_px = renderer_.largest_splat_px();
+        ++stats_.approximations;
+        ++stats_.approximations_by_level[std::min<int>(cell.depth, FrameStats::max_levels - 1)];
+        stats_.touched_bytes += sizeof data;
+        v.hierarchy.approximation_policy().stand_in(data, v.hierarchy.pool(), cell, v.view, Sink{*this, v, limit_px});
+    }
+
+    template <class V>
+    void add(V& v, const Face& face) {
+        ++stats_.faces;
+        if constexpr (defers) {
+            deferred_.push_back({std::uint32_t(deferred_views_.size() - 1), face});
+        } else {
+            faces_[face_count_++] = face;
+            // The far field keeps its order across kinds: a face never overtakes a splat.
+            if (splat_count_ != 0 || face_count_ == batch) flush(v);
+        }
+    }
+    template <class V>
+    void add(V& v, const Splat& splat) {
+        ++stats_.splats;
+        if (face_count_ != 0) flush(v);
+        splats_[splat_count_++] = splat;
+        if (splat_count_ == batch) flush(v);
+    }
+
+    /// Positions [first, end), of instances what they hold.
+    template <class V>
+    void draw_items(V& v, std::uint32_t first, std::uint32_t end) {
+        using P2 = std::remove_cvref_t<decltype(v.source[0])>;
+        if constexpr (PrimitiveWithInstance<P2>) {
+            std::uint32_t begin = first;
+            for (std::uint32_t at = first; at < end; ++at) {
+                const P2& p = v.source[at];
+                const bool is_instance = primitive_traits<P2>::visit_instance(p, [&](const auto& instance) {
+                    add_range(v, begin, at);
+                    if (is_new(v, at)) draw_instance(v, instance, std::uint64_t(&p - v.source.primitives.data()));
+                });
+                if (is_instance) begin = at + 1;
+            }
+            first = begin;
+        }
+        add_range(v, first, end);
+    }
+
+    template <class V, class I>
+    void draw_instance(V& v, const I& instance, std::uint64_t primitive) {
+        flush(v);
+        ++stats_.instances;
+        const LocalView inner = v.view.inside(instance.to_world, v.hierarchy.origin(), instance.hierarchy->origin());
+        renderer_.set_view(inner);
+        enter(*instance.hierarchy, instance.primitives, inner, detail::mixed(v.path, primitive + 1));
+        renderer_.set_view(v.view);
+        if constexpr (defers) deferred_views_.push_back(v.view);
+    }
+
+    /// Shared items are in several cells and are drawn once a frame.
+    template <class V>
+    bool is_new(V& v, std::uint32_t position) {
+        if constexpr (std::remove_cvref_t<decltype(v.hierarchy)>::assignment == shared) {
+            std::uint32_t& stamp = v.state.stamps[v.source.order.empty() ? position : v.source.order[position]];
+            return std::exchange(stamp, v.state.epoch) != v.state.epoch;
+        } else {
+            return true;
+        }
+    }
+
+    template <class V>
+    void add_range(V& v, std::uint32_t first, std::uint32_t end) {
+        if constexpr (std::remove_cvref_t<decltype(v.hierarchy)>::assignment == shared) {
+            std::uint32_t begin = first;
+            for (std::uint32_t at = first; at < end; ++at) {
+                if (is_new(v, at)) continue;
+                add_run(v, begin, at);
+                begin = at + 1;
+            }
+            first = begin;
+        }
+        add_run(v, first, end);
+    }
+
+    template <class V>
+    void add_run(V& v, std::uint32_t first, std::uint32_t end) {
+        if (first == end) return;
+        stats_.primitives += end - first;
+        if (range_count_ != 0 && ranges_[range_count_ - 1].first + ranges_[range_count_ - 1].count == first) {
+            ranges_[range_count_ - 1].count += end - first;
+            return;
+        }
+        ranges_[range_count_++] = {first, end - first};
+        ++stats_.runs;
+        if (range_count_ == batch) flush(v);
+    }
+
+    /// Geometry before stand-ins: primitives that wait come from before the stand-ins that wait, or from behind them,
+    /// where drawing them early changes nothing.
+    template <class V>
+    void flush(V& v) {
+        if (range_count_ != 0) {
+            renderer_.draw(v.source, std::span<const Range>(ranges_.data(), std::exchange(range_count_, 0)));
+        }
+        if constexpr (R::facts.draws_splats) {
+            if (splat_count_ != 0) {
+                renderer_.draw(std::span<const Splat>(splats_.data(), std::exchange(splat_count_, 0)));
+            }
+        }
+        if constexpr (R::facts.draws_faces) {
+            if (face_count_ != 0) renderer_.draw(std::span<const Face>(faces_.data(), std::exchange(face_count_, 0)));
+        }
+    }
+
+    void replay_deferred() {
+        if constexpr (defers && R::facts.draws_faces) {
+            for (std::size_t end = deferred_.size(); end > 0;) {
+                std::size_t count = 0;
+                const std::uint32_t view = deferred_[end - 1].view;
+                while (end > 0 && deferred_[end - 1].view == view && count < batch)
+                    faces_[count++] = deferred_[--end].face;
+                renderer_.set_view(deferred_views_[view]);
+                renderer_.draw(std::span<const Face>(faces_.data(), count));
+            }
+        }
+    }
+
+    const H& hierarchy_;
+    std::span<const P> primitives_;
+    R& renderer_;
+    FrameStats stats_;
+    std::vector<SourceState> sources_;  ///< sorted
+    std::array<Range, batch> ranges_;
+    std::array<Splat, batch> splats_;
+    std::array<Face, batch> faces_;
+    std::size_t range_count_ = 0, splat_count_ = 0, face_count_ = 0;
+    std::vector<Deferred> deferred_;
+    std::vector<LocalView> deferred_views_;
+};
+
+/// Prefer this to naming the type: where something is missing, compilers say what.
+template <class H, class P, class R>
+requires BuildableFrom<H, P> && DrawableWith<H, P, R>
+auto make_viewer(const H& hierarchy, std::span<const P> primitives, R& renderer) {
+    return Viewer<H, P, R>(hierarchy, primitives, renderer);
+}
+template <class H, class P, class R>
+requires BuildableFrom<H, P> && DrawableWith<H, P, R>
+auto make_viewer(const H& hierarchy, const std::vector<P>& primitives, R& renderer) {
+    return Viewer<H, P, R>(hierarchy, std::span<const P>(primitives), renderer);
+}
+
+}  // namespace farfield

@@ -1,0 +1,69 @@
+# cmake -DMODE=... -P run.cmake: one consumer test, see CMakeLists.txt beside this file.
+
+set(prefix "${WORK_DIRECTORY}/prefix")
+set(build "${WORK_DIRECTORY}/build-${MODE}")
+
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "exit status ${result}: ${ARGV}")
+  endif()
+endfunction()
+
+set(configure
+    "${CMAKE_COMMAND}"
+    -S
+    "${CMAKE_CURRENT_LIST_DIR}"
+    -B
+    "${build}"
+    -G
+    "${GENERATOR}"
+    "-DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM}"
+    "-DCMAKE_CXX_COMPILER=${COMPILER}"
+    "-DCMAKE_BUILD_TYPE=${CONFIG}"
+    "-Dglm_DIR=${GLM_DIRECTORY}")
+
+# CMake puts the configuration's name between only for generators that hold several.
+function(build_and_run)
+  run("${CMAKE_COMMAND}" --build "${build}" --config "${CONFIG}")
+  find_program(
+    program consumer
+    PATHS "${build}" "${build}/${CONFIG}"
+    NO_DEFAULT_PATH REQUIRED NO_CACHE)
+  run("${program}")
+endfunction()
+
+file(REMOVE_RECURSE "${build}")
+
+if(MODE STREQUAL "subdirectory")
+  run(${configure} "-DFARFIELD_SOURCE_DIRECTORY=${SOURCE_DIRECTORY}")
+  build_and_run()
+elseif(MODE STREQUAL "install")
+  # Installed in one place and moved to another: an installed package must not remember where it was built.
+  file(REMOVE_RECURSE "${prefix}" "${prefix}-first")
+  run("${CMAKE_COMMAND}" --install "${BINARY_DIRECTORY}" --config "${CONFIG}" --prefix "${prefix}-first")
+  file(RENAME "${prefix}-first" "${prefix}")
+elseif(MODE STREQUAL "package")
+  run(${configure} "-DCMAKE_PREFIX_PATH=${prefix}" -DFARFIELD_REQUESTED_VERSION=0.1)
+  build_and_run()
+elseif(MODE STREQUAL "refused_versions")
+  foreach(version IN ITEMS 0.0 0.1.999 0.2 1.0)
+    file(REMOVE_RECURSE "${build}")
+    execute_process(
+      COMMAND ${configure} "-DCMAKE_PREFIX_PATH=${prefix}" -DFARFIELD_REQUESTED_VERSION=${version}
+      RESULT_VARIABLE result
+      OUTPUT_QUIET
+      ERROR_VARIABLE errors)
+    if(result EQUAL 0)
+      message(FATAL_ERROR "find_package(farfield ${version}) was not refused")
+    endif()
+    # It must be refused for its version, not because the package was not found.
+    string(REGEX REPLACE "[ \n]+" " " errors "${errors}")
+    if(NOT errors MATCHES "not accepted" OR NOT errors MATCHES "farfield-config.cmake, version:")
+      message(FATAL_ERROR "find_package(farfield ${version}) failed for another reason:\n${errors}")
+    endif()
+    message(STATUS "version ${version} refused")
+  endforeach()
+else()
+  message(FATAL_ERROR "unknown MODE '${MODE}'")
+endif()
