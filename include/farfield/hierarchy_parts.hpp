@@ -60,19 +60,19 @@ inline constexpr std::size_t stored_size = std::is_empty_v<T> ? 0 : sizeof(T);
 /// What a builder makes and a SpatialHierarchy keeps; everything is in the hierarchy's own coordinates.
 template <class Partition, class Approximation>
 struct HierarchyParts {
-    std::vector<Node> nodes;                                   ///< root first; at least one
-    std::vector<typename Partition::node_data> node_data;      ///< parallel to nodes; empty where records are
+    std::vector<Node> nodes{};                                 ///< root first; at least one
+    std::vector<typename Partition::node_data> node_data{};    ///< parallel to nodes; empty where records are
     std::vector<typename Approximation::cell_data> cell_data;  ///< of nodes with a stand-in, in node order
-    std::vector<typename Approximation::pool_element> pool;
-    std::vector<std::uint32_t> order;  ///< position -> primitive
+    std::vector<typename Approximation::pool_element> pool{};
+    std::vector<std::uint32_t> order{};  ///< position -> primitive
     bool root_has_stand_in = false;
     Box bounds = Box::empty();  ///< tight
-    Cell root;
+    Cell root{};
     glm::dvec3 origin{0};  ///< the user's coordinates minus this are the hierarchy's
-    Work work;             ///< of drawing everything, without stand-ins
+    Work work{};           ///< of drawing everything, without stand-ins
     std::uint64_t primitive_count = 0;
     std::uint64_t fingerprint = 0;  ///< of the primitives' bounds in the user's order
-    BuildReport report;
+    BuildReport report{};
 };
 
 }  // namespace farfield

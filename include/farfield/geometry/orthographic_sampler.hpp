@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -68,120 +69,135 @@ class GridSampler {
     void sample(const SampleGrid& grid, Visit&& visit, std::span<Rgba8> out) {
         std::fill(out.begin(), out.end(), Rgba8{0, 0, 0, 0});
         depth_.resize(grid.size());
+        const glm::vec3 size = grid.box.size();
+        for (int axis = 0; axis < 3; ++axis) {
+            steps_per_unit_[axis] = size[axis] > 0 ? float(grid.n) * 256 / size[axis] : 0.0f;
+        }
         visit([&](const Polygon& polygon) {
             const bool one_color = polygon.colors.size() < polygon.vertices.size();
             for (std::size_t i = 2; i < polygon.vertices.size(); ++i) {
                 const std::size_t corner[3] = {0, i - 1, i};
-                Corner corners[3];
-                for (int c = 0; c < 3; ++c) {
-                    corners[c] = {polygon.vertices[corner[c]], polygon.colors[one_color ? 0 : corner[c]]};
+                Corners corners;
+                for (unsigned c = 0; c < 3; ++c) {
+                    corners.position[c] = polygon.vertices[corner[c]];
+                    corners.color[c] = polygon.colors[one_color ? 0 : corner[c]];
                 }
-                for (unsigned axis = 0; axis < 3; ++axis) scan(grid, axis, corners, one_color, out);
+                corners.one_color = one_color || (corners.color[0] == corners.color[1] && corners.color[0] == corners.color[2]);
+                add(grid, corners, out);
             }
         });
     }
 
   private:
-    struct Corner {
-        glm::vec3 position;
-        Rgba8 color;
-    };
-    struct Snapped {
-        std::int64_t u, v;
+    struct Corners {
+        glm::vec3 position[3];
+        Rgba8 color[3];
+        bool one_color;
+        std::int32_t at[3][3];  ///< [axis][corner], 1/256 square from the lower corner of the box
+        int first[3], last[3];  ///< by axis, of the samples inside the bounding box
     };
 
-    static std::int64_t snapped(float p, float lower, float squares_per_unit) {
-        const float s = (p - lower) * squares_per_unit * 256.0f;
-        constexpr float reach = 0x1p30f;  // products of two stay below 2^62
-        return std::int64_t(std::floor(glm::clamp(s, -reach, reach) + 0.5f));
+    void add(const SampleGrid& grid, Corners& c, std::span<Rgba8> out) {
+        // Rounded by adding 1.5 * 2^23, which is exact below 2^22; a triangle thousands of squares large is held
+        // back there, which bends its edges far outside the box.
+        constexpr float rounder = 12582912.0f, reach = 0x1p21f;
+        bool small = true;
+        for (int axis = 0; axis < 3; ++axis) {
+            std::int32_t* at = c.at[axis];
+            for (int i = 0; i < 3; ++i) {
+                const float s = (c.position[i][axis] - grid.box.lower[axis]) * steps_per_unit_[axis];
+                at[i] = std::bit_cast<std::int32_t>(glm::clamp(s, -reach, reach) + rounder) - 0x4b400000;
+                small = small && -0x2000 < at[i] && at[i] < 0x2000;
+            }
+            c.first[axis] = std::max((std::min(std::min(at[0], at[1]), at[2]) + 127) >> 8, 0);
+            c.last[axis] = std::min((std::max(std::max(at[0], at[1]), at[2]) - 128) >> 8, int(grid.n) - 1);
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            if (c.first[u] > c.last[u] || c.first[v] > c.last[v]) continue;  // holds no sample: most do not
+            small ? scan<std::int32_t>(grid, axis, c, out) : scan<std::int64_t>(grid, axis, c, out);
+        }
     }
 
-    void scan(const SampleGrid& grid, unsigned axis, const Corner (&corners)[3], bool one_color, std::span<Rgba8> out) {
-        const int a = int(axis), ua = (a + 1) % 3, va = (a + 2) % 3;
-        const glm::vec3 size = grid.box.size();
-        if (!(size[ua] > 0 && size[va] > 0)) return;
-        const float n = float(grid.n);
-        Snapped p[3];
-        float depth[3];
-        for (int i = 0; i < 3; ++i) {
-            p[i] = {snapped(corners[i].position[ua], grid.box.lower[ua], n / size[ua]),
-                    snapped(corners[i].position[va], grid.box.lower[va], n / size[va])};
-            depth[i] = corners[i].position[a];
-        }
-        const auto range = [&](std::int64_t Snapped::*c, int& first, int& last) {
-            const auto [low, high] = std::minmax({p[0].*c, p[1].*c, p[2].*c});
-            first = int(std::max<std::int64_t>((low + 127) >> 8, 0));
-            last = int(std::min<std::int64_t>((high - 128) >> 8, std::int64_t(grid.n) - 1));
-        };
-        int u0, u1, v0, v1;
-        range(&Snapped::u, u0, u1);
-        range(&Snapped::v, v0, v1);
-        if (u0 > u1 || v0 > v1) return;  // no sample in the bounding box: most triangles of a large cell
-        std::int64_t doubled_area = (p[1].u - p[0].u) * (p[2].v - p[0].v) - (p[2].u - p[0].u) * (p[1].v - p[0].v);
+    /// Int holds twice the area of a triangle: 2^28 where coordinates stay below 2^13.
+    template <class Int>
+    void scan(const SampleGrid& grid, int a, const Corners& c, std::span<Rgba8> out) {
+        const int ua = (a + 1) % 3, va = (a + 2) % 3;
+        const std::int32_t *u = c.at[ua], *v = c.at[va];
+        Int doubled_area = Int(u[1] - u[0]) * (v[2] - v[0]) - Int(u[2] - u[0]) * (v[1] - v[0]);
         if (doubled_area == 0) return;
-
         // Counter-clockwise about the axis: the front looks along it.
         const bool front_looks_up = doubled_area > 0;
-        int order[3] = {0, 1, 2};
-        if (!front_looks_up) {
-            std::swap(order[1], order[2]);
-            doubled_area = -doubled_area;
-        }
-        float brightness[2] = {1, 1};  // seen from below, from above
-        if (light) {
-            const glm::vec3 normal =
-                glm::cross(corners[1].position - corners[0].position, corners[2].position - corners[0].position);
-            brightness[front_looks_up ? 1 : 0] = light->brightness(normal);
-            brightness[front_looks_up ? 0 : 1] = light->brightness(-normal);
-        }
-        const auto edge = [&](int from, int to, std::int64_t u, std::int64_t v) {
-            const Snapped& f = p[order[from]];
-            const Snapped& t = p[order[to]];
-            const std::int64_t du = t.u - f.u, dv = t.v - f.v;
+        const int k[3] = {0, front_looks_up ? 1 : 2, front_looks_up ? 2 : 1};
+        if (!front_looks_up) doubled_area = -doubled_area;
+
+        Int edge[3], by_u[3], by_v[3];
+        for (int i = 0; i < 3; ++i) {
+            const int from = k[(i + 1) % 3], to = k[(i + 2) % 3];
+            const Int du = u[to] - u[from], dv = v[to] - v[from];
             // A sample on an edge belongs to one of the two triangles that share it.
-            const std::int64_t bias = (dv < 0 || (dv == 0 && du > 0)) ? 0 : -1;
-            return du * (v - f.v) - dv * (u - f.u) + bias;
-        };
-        const auto [low_depth, high_depth] = std::minmax({depth[0], depth[1], depth[2]});
-        for (int v = v0; v <= v1; ++v) {
-            for (int u = u0; u <= u1; ++u) {
-                const std::int64_t su = std::int64_t(u) * 256 + 128, sv = std::int64_t(v) * 256 + 128;
-                const std::int64_t e0 = edge(1, 2, su, sv), e1 = edge(2, 0, su, sv), e2 = edge(0, 1, su, sv);
+            const Int bias = (dv < 0 || (dv == 0 && du > 0)) ? 0 : -1;
+            edge[i] =
+                du * (Int(c.first[va]) * 256 + 128 - v[from]) - dv * (Int(c.first[ua]) * 256 + 128 - u[from]) + bias;
+            by_u[i] = -dv * 256;
+            by_v[i] = du * 256;
+        }
+        const float depth[3] = {c.position[k[0]][a], c.position[k[1]][a], c.position[k[2]][a]};
+        const float lowest = std::min(std::min(depth[0], depth[1]), depth[2]);
+        const float highest = std::max(std::max(depth[0], depth[1]), depth[2]);
+        const float inverse_area = 1.0f / float(doubled_area);
+        bool lit = false;
+        Rgba8 below = c.color[0], above = c.color[0];  // as seen from below and from above
+        float brightness[2] = {1, 1};
+        for (int sv = c.first[va]; sv <= c.last[va]; ++sv) {
+            Int e0 = edge[0], e1 = edge[1], e2 = edge[2];
+            for (int su = c.first[ua]; su <= c.last[ua]; ++su, e0 += by_u[0], e1 += by_u[1], e2 += by_u[2]) {
                 if ((e0 | e1 | e2) < 0) continue;
-                const float inverse = 1.0f / float(doubled_area);
-                const float w1 = float(e1) * inverse, w2 = float(e2) * inverse, w0 = 1.0f - w1 - w2;
-                const float d = glm::clamp(w0 * depth[order[0]] + w1 * depth[order[1]] + w2 * depth[order[2]],
-                                           low_depth, high_depth);
+                const float w1 = float(e1) * inverse_area, w2 = float(e2) * inverse_area, w0 = 1.0f - w1 - w2;
+                const float d = glm::clamp(w0 * depth[0] + w1 * depth[1] + w2 * depth[2], lowest, highest);
                 if (d < grid.box.lower[a] || d > grid.box.upper[a]) continue;
-                Rgba8 color = corners[0].color;
-                if (!one_color) {
-                    color = to_rgba8(to_vec4(corners[order[0]].color) * w0 + to_vec4(corners[order[1]].color) * w1 +
-                                     to_vec4(corners[order[2]].color) * w2);
+                if (!lit) {
+                    lit = true;
+                    if (light) light_sides(c, front_looks_up, brightness);
+                    below = scaled(c.color[0], brightness[0]);
+                    above = scaled(c.color[0], brightness[1]);
                 }
-                if (color.a == 0) continue;
+                if (!c.one_color) {
+                    const Rgba8 color = to_rgba8(to_vec4(c.color[k[0]]) * w0 + to_vec4(c.color[k[1]]) * w1 +
+                                                 to_vec4(c.color[k[2]]) * w2);
+                    below = scaled(color, brightness[0]);
+                    above = scaled(color, brightness[1]);
+                }
                 unsigned slab = 0;
                 if (grid.slabs > 1) {
-                    const float s = (d - grid.box.lower[a]) * (float(grid.slabs) / size[a]);
-                    slab = unsigned(glm::clamp(s, 0.0f, float(grid.slabs - 1)));
+                    const float slabs_per_unit = float(grid.slabs) / (grid.box.upper[a] - grid.box.lower[a]);
+                    slab = unsigned(glm::clamp((d - grid.box.lower[a]) * slabs_per_unit, 0.0f, float(grid.slabs - 1)));
                 }
-                keep(grid, 2 * axis, slab, unsigned(v), unsigned(u), d, scaled(color, brightness[0]), out);
-                keep(grid, 2 * axis + 1, slab, unsigned(v), unsigned(u), -d, scaled(color, brightness[1]), out);
+                const std::size_t at = grid.index(unsigned(2 * a), slab, unsigned(sv), unsigned(su));
+                keep(at, d, below, out);
+                keep(at + grid.size() / 6, -d, above, out);
             }
+            for (int i = 0; i < 3; ++i) edge[i] += by_v[i];
         }
     }
 
-    void keep(const SampleGrid& grid, unsigned side, unsigned slab, unsigned v, unsigned u, float depth, Rgba8 color,
-              std::span<Rgba8> out) {
-        const std::size_t i = grid.index(side, slab, v, u);
-        if (out[i].a != 0 && depth_[i] <= depth) return;
-        depth_[i] = depth;
-        out[i] = color.a == 255 ? color : premultiplied(color);
+    void light_sides(const Corners& c, bool front_looks_up, float (&brightness)[2]) const {
+        const glm::vec3 normal = glm::cross(c.position[1] - c.position[0], c.position[2] - c.position[0]);
+        brightness[front_looks_up ? 1 : 0] = light->brightness(normal);
+        brightness[front_looks_up ? 0 : 1] = light->brightness(-normal);
+    }
+
+    void keep(std::size_t at, float depth, Rgba8 color, std::span<Rgba8> out) {
+        if (color.a == 0 || (out[at].a != 0 && depth_[at] <= depth)) return;
+        depth_[at] = depth;
+        out[at] = color.a == 255 ? color : premultiplied(color);
     }
     static Rgba8 premultiplied(Rgba8 c) {
         const auto part = [&](std::uint8_t v) { return std::uint8_t((unsigned(v) * c.a + 127) / 255); };
         return {part(c.r), part(c.g), part(c.b), c.a};
     }
 
+    glm::vec3 steps_per_unit_{0};
     std::vector<float> depth_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "farfield/raster/sample_projection.hpp"
 
@@ -15,6 +16,13 @@ struct SnappedTriangle {
     std::int32_t y[3];
     float q[3];
 
+    /// Clockwise, if it was not: two corners change places.
+    void flip() {
+        std::swap(x[1], x[2]);
+        std::swap(y[1], y[2]);
+        std::swap(q[1], q[2]);
+    }
+
     /// Twice the area in 1/65536 squared samples; positive: clockwise on the screen (rows run downwards).
     std::int64_t doubled_area() const {
         return std::int64_t(x[1] - x[0]) * (y[2] - y[0]) - std::int64_t(x[2] - x[0]) * (y[1] - y[0]);
@@ -23,8 +31,9 @@ struct SnappedTriangle {
 
 /// q over the screen: a plane, kept inside what the corners span, for a sliver's plane is steep.
 struct DepthPlane {
-    float at_origin, by_x, by_y, lowest, highest;  ///< at the center of sample (0, 0); a sample
+    float at_corner = 0, by_x = 0, by_y = 0, lowest = 0, highest = 0;
 
+    DepthPlane() = default;
     DepthPlane(const SnappedTriangle& t, std::int64_t doubled_area) {
         const float scale = 256.0f / float(doubled_area);
         const float q1 = t.q[1] - t.q[0], q2 = t.q[2] - t.q[0];
@@ -32,19 +41,19 @@ struct DepthPlane {
         by_y = (q2 * float(t.x[1] - t.x[0]) - q1 * float(t.x[2] - t.x[0])) * scale;
         base_x_ = (128.0f - float(t.x[0])) * (1.0f / 256);
         base_y_ = (128.0f - float(t.y[0])) * (1.0f / 256);
-        at_origin = t.q[0];
+        at_corner = t.q[0];
         lowest = std::min(t.q[0], std::min(t.q[1], t.q[2]));
         highest = std::max(t.q[0], std::max(t.q[1], t.q[2]));
     }
     /// Distances to the first corner are small where the triangle is: no cancellation against the screen's origin.
-    float row(int y) const { return at_origin + by_y * (float(y) + base_y_); }
+    float row(int y) const { return at_corner + by_y * (float(y) + base_y_); }
     float at(float row, int x) const {
         const float q = row + by_x * (float(x) + base_x_);
         return q < lowest ? lowest : q > highest ? highest : q;
     }
 
   private:
-    float base_x_, base_y_;
+    float base_x_ = 0, base_y_ = 0;
 };
 
 namespace detail {
@@ -107,8 +116,10 @@ void scan_box(const SnappedTriangle& t, int x0, int y0, int x1, int y1, Row&& ro
 /// clockwise on the screen, doubled_area() > 0.
 template <class Row>
 void scan_convert(const SnappedTriangle& t, const SampleProjection& image, Row&& row) {
-    const auto [low_x, high_x] = std::minmax({t.x[0], t.x[1], t.x[2]});
-    const auto [low_y, high_y] = std::minmax({t.y[0], t.y[1], t.y[2]});
+    const std::int32_t low_x = std::min(std::min(t.x[0], t.x[1]), t.x[2]),
+                       high_x = std::max(std::max(t.x[0], t.x[1]), t.x[2]);
+    const std::int32_t low_y = std::min(std::min(t.y[0], t.y[1]), t.y[2]),
+                       high_y = std::max(std::max(t.y[0], t.y[1]), t.y[2]);
     const int x0 = std::max((low_x + 127) >> 8, image.first_x), x1 = std::min((high_x - 128) >> 8, image.end_x - 1);
     const int y0 = std::max((low_y + 127) >> 8, image.first_y), y1 = std::min((high_y - 128) >> 8, image.end_y - 1);
     if (x0 > x1 || y0 > y1) return;

@@ -28,11 +28,11 @@
 namespace farfield {
 
 struct ZBufferOptions {
-    int samples = 1;                        ///< a pixel, on a regular grid: 1, 4, 9, 16, 25, 36, 49 or 64
-    Rgba8 background{0, 0, 0, 0};           ///< premultiplied
-    std::optional<DirectionalLight> light;  ///< in the outermost hierarchy's axes; none: colors as they are
-    bool culls_back_faces = false;          ///< for closed surfaces that are counter-clockwise seen from outside
-    Simd simd = Simd::automatic;            ///< all give the same picture
+    int samples = 1;                          ///< a pixel, on a regular grid: 1, 4, 9, 16, 25, 36, 49 or 64
+    Rgba8 background{0, 0, 0, 0};             ///< premultiplied
+    std::optional<DirectionalLight> light{};  ///< in the outermost hierarchy's axes; none: colors as they are
+    bool culls_back_faces = false;            ///< for closed surfaces that are counter-clockwise seen from outside
+    Simd simd = Simd::automatic;              ///< all give the same picture
 };
 
 /// Draws what a Viewer hands over; the picture is image() after the frame. The result does not depend on the order of
@@ -166,7 +166,7 @@ class ZBufferRenderer {
                     const Rgba8* colors = stream.colors(triangle);
                     Rgba8 corners[3] = {colors[0], colors[0], colors[0]};
                     if (stream.several_colors()) corners[1] = colors[1], corners[2] = colors[2];
-                    draw(stream, triangle, t, corners, stream.several_colors());
+                    draw(stream, triangle, t, corners);
                 }
             }
         }
@@ -187,62 +187,66 @@ class ZBufferRenderer {
                 polygon.snap(from[c], to_, t, c);
                 corners[c] = to_rgba8(polygon[from[c]].color);
             }
-            draw(stream, triangle, t, corners, stream.several_colors());
+            draw(stream, triangle, t, corners);
         }
     }
 
-    void draw(const TriangleStream& stream, std::uint32_t triangle, SnappedTriangle& t, Rgba8 (&colors)[3],
-              bool several_colors) {
-        std::int64_t doubled_area = t.doubled_area();
-        if (doubled_area == 0) return;
-        const bool front = doubled_area < 0;  // counter-clockwise, rows running downwards
+    void draw(const TriangleStream& stream, std::uint32_t triangle, SnappedTriangle& t, Rgba8 (&colors)[3]) {
+        const std::int64_t signed_area = t.doubled_area();
+        if (signed_area == 0) return;
+        const bool front = signed_area < 0;  // counter-clockwise, rows running downwards
         if (front) {
-            std::swap(t.x[1], t.x[2]);
-            std::swap(t.y[1], t.y[2]);
-            std::swap(t.q[1], t.q[2]);
+            t.flip();
             std::swap(colors[1], colors[2]);
-            doubled_area = -doubled_area;
         } else if (options_.culls_back_faces) {
             return;
         }
-        if (options_.light) {
+        const std::int64_t doubled_area = front ? -signed_area : signed_area;
+        const auto light = [&] {
+            if (!options_.light) return;
             const glm::vec3 a = stream.vertex(triangle, 0);
             const glm::vec3 normal = glm::cross(stream.vertex(triangle, 1) - a, stream.vertex(triangle, 2) - a);
             const float brightness = light_.brightness(front ? normal : -normal);
             for (Rgba8& c : colors) c = scaled(c, brightness);
-        }
-        const DepthPlane plane(t, doubled_area);
-        const bool opaque = (colors[0].a & colors[1].a & colors[2].a) == 255;
-        if (opaque && !several_colors) {
-            fill(t, plane, [c = colors[0]](int, int, float, Rgba8& out) {
-                out = c;
-                return true;
-            });
+        };
+        const bool one_color = colors[0] == colors[1] && colors[0] == colors[2];
+        if (one_color && colors[0].a == 255) {
+            fill(t, doubled_area, light, [&](int, int) { return colors[0]; });
         } else {
-            const ColorPlane color(t, colors, doubled_area, to_.is_perspective);
-            fill(t, plane, [&](int x, int y, float, Rgba8& out) {
-                out = several_colors ? color.at(x, y) : colors[0];
-                return opaque || covers(x, y, triangle, out);
+            const ColorPlane plane(t, doubled_area, to_.is_perspective);
+            fill(t, doubled_area, light, [&](int x, int y) {
+                Rgba8 c = one_color ? colors[0] : plane.at(x, y, colors);
+                if (c.a != 255 && !covers(x, y, triangle, c)) c.a = 0;
+                return c;
             });
         }
     }
 
-    /// shade(x, y, q, color) gives the sample's color; false: it is not covered after all.
-    template <class Shade>
-    void fill(const SnappedTriangle& t, const DepthPlane& plane, Shade&& shade) {
+    /// shade(x, y) gives the sample's color; with alpha 0 it is not covered after all. What is not needed before a
+    /// sample is known to be covered comes after: half of the triangles that get here cover none.
+    template <class Light, class Shade>
+    void fill(const SnappedTriangle& t, std::int64_t doubled_area, Light&& light, Shade&& shade) {
+        DepthPlane plane;
+        bool prepared = false;
         scan_convert(t, to_, [&](int y, int begin, int end) {
+            if (!prepared) {
+                prepared = true;
+                plane = DepthPlane(t, doubled_area);
+                light();
+            }
             float* depth = buffers_.depth_row(y);
             Rgba8* color = buffers_.color_row(y);
             const float row = plane.row(y);
             buffers_.near_drawn(begin, y, end, y + 1);
             for (int x = begin; x < end; ++x) {
                 const float q = plane.at(row, x);
-                Rgba8 c;
-                if (q < depth[x] || !shade(x, y, q, c)) continue;
+                if (q < depth[x]) continue;
+                Rgba8 c = shade(x, y);
+                if (c.a == 0) continue;
+                c.a = 255;
                 if (q == depth[x] && std::bit_cast<std::uint32_t>(c) <= std::bit_cast<std::uint32_t>(color[x]))
                     continue;
                 depth[x] = q;
-                c.a = 255;
                 color[x] = c;
             }
         });
@@ -258,25 +262,22 @@ class ZBufferRenderer {
     /// Colors at the corners, perspectively right between them.
     struct ColorPlane {
         const SnappedTriangle& t;
-        glm::vec4 colors[3];
         float weights[3];  ///< q at the corners, or 1
         float inverse_area;
 
-        ColorPlane(const SnappedTriangle& triangle, const Rgba8 (&c)[3], std::int64_t doubled_area, bool perspective)
+        ColorPlane(const SnappedTriangle& triangle, std::int64_t doubled_area, bool perspective)
             : t(triangle), inverse_area(1.0f / float(doubled_area)) {
-            for (int i = 0; i < 3; ++i) {
-                colors[i] = to_vec4(c[i]);
-                weights[i] = perspective ? t.q[i] : 1.0f;
-            }
+            for (int i = 0; i < 3; ++i) weights[i] = perspective ? t.q[i] : 1.0f;
         }
-        Rgba8 at(int x, int y) const {
+        Rgba8 at(int x, int y, const Rgba8 (&colors)[3]) const {
             const float px = float(x) * 256 + 128, py = float(y) * 256 + 128;
             const auto part = [&](int a, int b) {
                 return (float(t.x[b] - t.x[a]) * (py - float(t.y[a])) - float(t.y[b] - t.y[a]) * (px - float(t.x[a]))) *
                        inverse_area;
             };
             const float w1 = part(2, 0) * weights[1], w2 = part(0, 1) * weights[2], w0 = part(1, 2) * weights[0];
-            return to_rgba8((colors[0] * w0 + colors[1] * w1 + colors[2] * w2) * (1 / (w0 + w1 + w2)));
+            return to_rgba8((to_vec4(colors[0]) * w0 + to_vec4(colors[1]) * w1 + to_vec4(colors[2]) * w2) *
+                            (1 / (w0 + w1 + w2)));
         }
     };
 
@@ -304,9 +305,7 @@ class ZBufferRenderer {
             std::int64_t doubled_area = t.doubled_area();
             if (doubled_area == 0) continue;
             if (doubled_area < 0) {
-                std::swap(t.x[1], t.x[2]);
-                std::swap(t.y[1], t.y[2]);
-                std::swap(t.q[1], t.q[2]);
+                t.flip();
                 doubled_area = -doubled_area;
             }
             const DepthPlane plane(t, doubled_area);

@@ -1,0 +1,88 @@
+// Faces of a cell's box: which are seen, how large they look, and what they are as polygons.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <utility>
+
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/renderer.hpp"
+
+namespace farfield {
+/// Faces of a cell as a renderer gets them: which look at the viewer, how large they are to it.
+struct VisibleFaces {
+    std::array<std::uint8_t, 3> side{};  ///< 0..5: -x, +x, -y, +y, -z, +z
+    std::array<float, 3> projected{};    ///< area seen squarely from the viewer, squared units
+    int count = 0;
+
+    /// At most three, none from inside. Projected as if the viewer were far, which cells about a pixel wide allow.
+    VisibleFaces(const Cell& cell, const LocalView& view) {
+        const glm::vec3 d = view.towards_viewer(cell.center);
+        const float inverse_length = 1.0f / std::sqrt(glm::dot(d, d));
+        for (int axis = 0; axis < 3; ++axis) {
+            const float reach = view.is_perspective ? cell.half[axis] : 0.0f;
+            if (!(std::abs(d[axis]) > reach)) continue;
+            const float face = 4 * cell.half[(axis + 1) % 3] * cell.half[(axis + 2) % 3];
+            side[std::size_t(count)] = std::uint8_t(2 * axis + (d[axis] > 0 ? 1 : 0));
+            projected[std::size_t(count)] = face * std::abs(d[axis]) * inverse_length;
+            ++count;
+        }
+    }
+};
+
+/// One face of a cell's box.
+inline Face face_of(const Cell& cell, unsigned side, Rgba8 premultiplied) {
+    Face face{cell.center - cell.half, cell.center + cell.half, premultiplied, std::uint8_t(side)};
+    const int axis = int(side / 2);
+    (side & 1 ? face.lower : face.upper)[axis] = (side & 1 ? face.upper : face.lower)[axis];
+    return face;
+}
+
+/// A premultiplied face as a polygon that is not; nothing where nothing would be seen.
+template <class Sink>
+void emit_polygon(const Face& face, Sink&& sink) {
+    if (face.rgba.a == 0) return;
+    const int axis = face.side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    std::array<glm::vec3, 4> corners{face.lower, face.lower, face.upper, face.lower};
+    corners[1][u] = face.upper[u];
+    corners[3][v] = face.upper[v];
+    if ((face.side & 1) == 0) std::swap(corners[1], corners[3]);  // counter-clockwise seen from outside
+    const glm::vec4 c = to_vec4(face.rgba);
+    const Rgba8 color = to_rgba8(glm::vec4(glm::vec3(c) / c.a, c.a));
+    sink(Polygon{corners, {&color, 1}});
+}
+
+/// A lower bound, in pixels, of the projected side of cells `levels` below this one, each half as large as its parent.
+inline float least_projected_side(const Cell& cell, unsigned levels, const LocalView& view) {
+    const float side = cell.largest_side() * std::bit_cast<float>((127u - std::min(levels, 126u)) << 23);
+    const glm::vec3 d = cell.center - view.eye;
+    const float farthest = view.distance == DistanceMeasure::depth
+                               ? glm::dot(d, view.forward) + glm::dot(glm::abs(view.forward), cell.half)
+                               : std::sqrt(glm::dot(d, d)) + std::sqrt(glm::dot(cell.half, cell.half));
+    return view.pixels(side, farthest);
+}
+
+/// Whether a box of this side is small enough on the screen to be deposited as a splat.
+inline bool is_small(glm::vec3 center, float side, const LocalView& view, float splat_limit_px) {
+    return splat_limit_px > 0 && view.pixels(side, view.is_perspective ? view.depth(center) : 1.0f) <= splat_limit_px;
+}
+
+/// Faces seen from far enough are one deposit: `footprint` is their area squarely seen, `sum` their premultiplied
+/// colors (0 to 255) weighted by it, with an alpha above 0. How much of the footprint is covered decides the law.
+inline Splat splat_of(glm::vec3 center, float footprint, glm::vec4 sum) {
+    const float alpha = sum.a / (255 * footprint);
+    const AreaLaw law = law_of_opacity(alpha);
+    const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / sum.a) + 0.5f, glm::vec3(255.0f));
+    return {center, footprint, footprint * area_of_opacity(alpha, law),
+            Rgba8{std::uint8_t(rgb.r), std::uint8_t(rgb.g), std::uint8_t(rgb.b), std::uint8_t(law)}};
+}
+
+}  // namespace farfield

@@ -1,0 +1,164 @@
+// The numbers that a policy or a record is made of, one by one, so that files hold no bytes of padding: those differ
+// from run to run, and the same hierarchy would not give the same file.
+//
+// An aggregate tells its number of fields by how many initializers it takes, and a structured binding names them:
+// Antony Polukhin's Boost.PFR. Base classes, C arrays, pointers and private members are not looked into.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace farfield::detail {
+
+inline constexpr std::size_t most_fields = 12;
+inline constexpr std::size_t not_numbers = std::numeric_limits<std::size_t>::max();
+
+struct AnyField {
+    template <class T>
+    operator T() const;
+};
+
+template <class T, std::size_t... I>
+constexpr bool takes_fields(std::index_sequence<I...>) {
+    return requires { T{(void(I), AnyField{})...}; };
+}
+template <class T, std::size_t n = most_fields + 1>
+constexpr std::size_t field_count() {
+    if constexpr (n == 0 || takes_fields<T>(std::make_index_sequence<n>())) {
+        return n;
+    } else {
+        return field_count<T, n - 1>();
+    }
+}
+
+/// References to the fields of an aggregate.
+template <class T>
+constexpr auto fields_of(T& v) {
+    constexpr std::size_t n = field_count<std::remove_const_t<T>>();
+    static_assert(n > 0 && n <= most_fields, "farfield: to be stored in files, an aggregate may have 12 fields at most");
+#define FARFIELD_FIELDS(count, ...)  \
+    if constexpr (n == count) {      \
+        auto& [__VA_ARGS__] = v;     \
+        return std::tie(__VA_ARGS__); \
+    } else
+    FARFIELD_FIELDS(1, a)
+    FARFIELD_FIELDS(2, a, b)
+    FARFIELD_FIELDS(3, a, b, c)
+    FARFIELD_FIELDS(4, a, b, c, d)
+    FARFIELD_FIELDS(5, a, b, c, d, e)
+    FARFIELD_FIELDS(6, a, b, c, d, e, f)
+    FARFIELD_FIELDS(7, a, b, c, d, e, f, g)
+    FARFIELD_FIELDS(8, a, b, c, d, e, f, g, h)
+    FARFIELD_FIELDS(9, a, b, c, d, e, f, g, h, i)
+    FARFIELD_FIELDS(10, a, b, c, d, e, f, g, h, i, j)
+    FARFIELD_FIELDS(11, a, b, c, d, e, f, g, h, i, j, k)
+    FARFIELD_FIELDS(12, a, b, c, d, e, f, g, h, i, j, k, l)
+    return std::tuple<>();
+#undef FARFIELD_FIELDS
+}
+
+/// long double has padding of its own.
+template <class T>
+concept Number = (std::is_arithmetic_v<T> || std::is_enum_v<T>) && !std::is_same_v<T, long double>;
+template <class T>
+concept GlmVector = requires(T& v) {
+    typename T::value_type;
+    { T::length() } -> std::same_as<typename T::length_type>;
+    v[0];
+};
+template <class T>
+struct IsArray : std::false_type {};
+template <class T, std::size_t n>
+struct IsArray<std::array<T, n>> : std::true_type {};
+
+template <class T>
+constexpr std::size_t bytes_of_numbers();
+
+template <class... F>
+constexpr std::size_t bytes_of_tied(std::type_identity<std::tuple<F&...>>) {
+    const std::array<std::size_t, sizeof...(F)> bytes{bytes_of_numbers<F>()...};
+    std::size_t sum = 0;
+    for (const std::size_t b : bytes) {
+        if (b == not_numbers) return not_numbers;
+        sum += b;
+    }
+    return sum;
+}
+
+/// Without padding; not_numbers if there is anything else in it.
+template <class T>
+constexpr std::size_t bytes_of_numbers() {
+    if constexpr (std::is_empty_v<T>) {
+        return 0;
+    } else if constexpr (Number<T>) {
+        return sizeof(T);
+    } else if constexpr (GlmVector<T>) {
+        return std::size_t(T::length()) * sizeof(typename T::value_type);
+    } else if constexpr (IsArray<T>::value) {
+        constexpr std::size_t one = bytes_of_numbers<typename T::value_type>();
+        return one == not_numbers ? not_numbers : std::tuple_size_v<T> * one;
+    } else if constexpr (std::is_class_v<T> && std::is_aggregate_v<T>) {
+        return bytes_of_tied(std::type_identity<decltype(fields_of(std::declval<T&>()))>());
+    } else {
+        return not_numbers;
+    }
+}
+
+template <class T>
+concept MadeOfNumbers = bytes_of_numbers<T>() != not_numbers;
+/// May lie in a file as it lies in memory.
+template <class T>
+concept WithoutPadding = std::is_empty_v<T> || bytes_of_numbers<T>() == sizeof(T);
+
+/// Calls f(number) for each, in the order of declaration.
+template <MadeOfNumbers T, class F>
+void for_each_number(T& v, F&& f) {
+    using U = std::remove_const_t<T>;
+    if constexpr (std::is_empty_v<U>) {
+    } else if constexpr (Number<U>) {
+        f(v);
+    } else if constexpr (GlmVector<U>) {
+        for (typename U::length_type i = 0; i < U::length(); ++i) f(v[i]);
+    } else if constexpr (IsArray<U>::value) {
+        for (auto& element : v) for_each_number(element, f);
+    } else {
+        std::apply([&](auto&... field) { (for_each_number(field, f), ...); }, fields_of(v));
+    }
+}
+
+template <MadeOfNumbers T>
+std::vector<std::byte> bytes_of(const T& v) {
+    std::vector<std::byte> bytes;
+    for_each_number(v, [&](const auto& number) {
+        const auto* p = reinterpret_cast<const std::byte*>(&number);
+        bytes.insert(bytes.end(), p, p + sizeof number);
+    });
+    return bytes;
+}
+
+/// False if a byte is no value of a bool. There are as many bytes as bytes_of() gives.
+template <MadeOfNumbers T>
+bool read_numbers(std::span<const std::byte> bytes, T& v) {
+    bool good = true;
+    const std::byte* p = bytes.data();
+    for_each_number(v, [&](auto& number) {
+        if constexpr (std::is_same_v<std::remove_reference_t<decltype(number)>, bool>) {
+            good = good && (*p == std::byte(0) || *p == std::byte(1));
+            number = *p != std::byte(0);
+        } else {
+            std::memcpy(&number, p, sizeof number);
+        }
+        p += sizeof number;
+    });
+    return good;
+}
+
+}  // namespace farfield::detail
