@@ -51,9 +51,9 @@ std::vector<VertexColoredTriangle> spheres(std::span<const Atom> atoms, const Un
             const float towards = crowd > 0.0f ? glm::dot(normal, open[i]) : 1.0f;
             const float seen = std::clamp(0.55f + 0.9f * towards, 0.12f, 1.0f);
             const Rgba8 color = display_color(lit(light, albedo, normal, seen, seen));
-            triangles.push_back({{atom.center + a * atom.radius, atom.center + b * atom.radius,
-                                  atom.center + c * atom.radius},
-                                 {color, color, color}});
+            triangles.push_back(
+                {{atom.center + a * atom.radius, atom.center + b * atom.radius, atom.center + c * atom.radius},
+                 {color, color, color}});
         }
     }
     return triangles;

@@ -18,8 +18,7 @@ std::string named(std::string_view kind, std::size_t index) {
 }
 
 /// A whole number that is not negative; `otherwise` if there is none of that name.
-std::uint64_t whole(const Json& parent, std::string_view name, std::uint64_t otherwise,
-                    const std::string& where) {
+std::uint64_t whole(const Json& parent, std::string_view name, std::uint64_t otherwise, const std::string& where) {
     const Json* member = parent.find(name);
     if (!member) return otherwise;
     const double* n = member->number();
@@ -109,13 +108,10 @@ std::uint64_t bytes_there(const Json& buffer, std::size_t index, const Container
     const std::string& text = *uri->string();
     if (text.substr(0, 5) == "data:") {
         const std::size_t comma = text.find(',');
-        if (comma == std::string::npos)
-            throw std::runtime_error(named("buffer", index) + ": broken data uri");
-        const std::size_t padding = static_cast<std::size_t>(
-            std::count(text.end() - std::min<std::ptrdiff_t>(2, static_cast<std::ptrdiff_t>(text.size())),
-                       text.end(), '='));
-        return (text.size() - comma - 1) / 4 * 3 -
-               std::min<std::size_t>(padding, (text.size() - comma - 1) / 4 * 3);
+        if (comma == std::string::npos) throw std::runtime_error(named("buffer", index) + ": broken data uri");
+        const std::size_t padding = static_cast<std::size_t>(std::count(
+            text.end() - std::min<std::ptrdiff_t>(2, static_cast<std::ptrdiff_t>(text.size())), text.end(), '='));
+        return (text.size() - comma - 1) / 4 * 3 - std::min<std::size_t>(padding, (text.size() - comma - 1) / 4 * 3);
     }
     std::error_code error;
     const std::uint64_t size = std::filesystem::file_size(folder / unescaped_uri(text), error);
@@ -174,8 +170,7 @@ void check_range(const std::vector<View>& views, const Json& holder, std::uint64
     const std::uint64_t stride = std::max(view.stride, view.stride == 0 ? size : std::uint64_t{1});
     const std::uint64_t room = view.bytes - std::min(view.bytes, offset);
     if (count > 0 && (room < size || count - 1 > (room - size) / stride)) {
-        throw std::runtime_error(where + " claims " + std::to_string(count) +
-                                 " elements, more than its buffer has");
+        throw std::runtime_error(where + " claims " + std::to_string(count) + " elements, more than its buffer has");
     }
 }
 
@@ -190,8 +185,7 @@ void check_accessors(const Json& json, const std::vector<std::uint64_t>& buffers
         const std::uint64_t size = buffers[static_cast<std::size_t>(whole(view, "buffer", 0, where))];
         const std::uint64_t offset = whole(view, "byteOffset", 0, where);
         const std::uint64_t length = whole(view, "byteLength", 0, where);
-        if (offset > size || length > size - offset)
-            throw std::runtime_error(where + " reaches beyond its buffer");
+        if (offset > size || length > size - offset) throw std::runtime_error(where + " reaches beyond its buffer");
         views.push_back({length, whole(view, "byteStride", 0, where)});
     }
     std::size_t a = 0;
@@ -209,8 +203,7 @@ void check_accessors(const Json& json, const std::vector<std::uint64_t>& buffers
             const std::uint64_t sparse_count = whole(*sparse, "count", 0, where);
             const Json* indices = sparse->find("indices");
             const Json* values = sparse->find("values");
-            if (!indices || !values || sparse_count > count)
-                throw std::runtime_error(where + ": broken sparse data");
+            if (!indices || !values || sparse_count > count) throw std::runtime_error(where + ": broken sparse data");
             check_range(views, *indices, sparse_count, 1, where);
             check_range(views, *values, sparse_count, size, where);
         }
@@ -234,11 +227,38 @@ void check_meshes(const Json& json) {
             for (const Json& target : primitive.list("targets")) attribute_sets.push_back(&target);
             for (const Json* set : attribute_sets) {
                 if (!set->object()) throw std::runtime_error(where + ": attributes are not an object");
-                for (const auto& [name, index] : *set->object())
-                    check_index(index, accessors, where, "accessor");
+                for (const auto& [name, index] : *set->object()) check_index(index, accessors, where, "accessor");
             }
         }
     }
+}
+
+/// Triangles that the meshes, each once, must give.
+std::uint64_t triangles_in_meshes(const Json& json) {
+    const Json::Array& accessors = json.list("accessors");
+    std::uint64_t sum = 0;
+    for (const Json& mesh : json.list("meshes")) {
+        for (const Json& primitive : mesh.list("primitives")) {
+            const Json* attributes = primitive.find("attributes");
+            const Json* positions = attributes ? attributes->find("POSITION") : nullptr;
+            if (!positions) continue;
+            const Json* indices = primitive.find("indices");
+            const double index = *(indices ? indices : positions)->number();
+            const std::uint64_t count = whole(accessors[static_cast<std::size_t>(index)], "count", 0, "accessor");
+            switch (whole(primitive, "mode", 4, "primitive")) {
+                case 4:
+                    sum += count / 3;
+                    break;
+                case 5:
+                case 6:
+                    sum += count < 3 ? 0 : count - 2;
+                    break;
+                default:
+                    break;  // points and lines
+            }
+        }
+    }
+    return sum;
 }
 
 /// Every node has at most one parent and none is its own ancestor (section 3.5.2), which with one parent each
@@ -295,8 +315,7 @@ void check_materials(const Json& json) {
     for (const Json& material : json.list("materials")) {
         const std::string where = named("material", m++);
         for (const std::string_view name : {"normalTexture", "occlusionTexture", "emissiveTexture"}) {
-            if (const Json* texture = material.find(name))
-                check_member(*texture, "index", textures, where, "texture");
+            if (const Json* texture = material.find(name)) check_member(*texture, "index", textures, where, "texture");
         }
         const Json* surface = material.find("pbrMetallicRoughness");
         for (const std::string_view name : {"baseColorTexture", "metallicRoughnessTexture"}) {
@@ -322,7 +341,7 @@ void check_extensions(const Json& json) {
 
 }  // namespace
 
-void check_gltf(const std::filesystem::path& file, std::string_view bytes) {
+std::uint64_t check_gltf(const std::filesystem::path& file, std::string_view bytes) {
     const Container container = opened(bytes);
     const Json& json = container.json;
     const Json* asset = json.find("asset");
@@ -333,6 +352,7 @@ void check_gltf(const std::filesystem::path& file, std::string_view bytes) {
     check_materials(json);
     check_nodes(json);
     if (json.list("meshes").empty()) throw std::runtime_error("has no meshes");
+    return triangles_in_meshes(json);
 }
 
 }  // namespace farfield::scenes::detail

@@ -25,9 +25,8 @@ Scene forest(const ForestOptions& options) {
     Random random(options.seed * 0x2545f4914f6cdd1du + 5);
     const auto place = [&](std::size_t column, std::size_t row, float dx, float dz) {
         return glm::vec3(
-            options.spacing_m *
-                (static_cast<float>(column) + dx - 0.5f * static_cast<float>(options.columns)),
-            0, options.spacing_m * (static_cast<float>(row) + dz - 0.5f * static_cast<float>(options.rows)));
+            options.spacing_m * (static_cast<float>(column) + dx - 0.5f * static_cast<float>(options.columns)), 0,
+            options.spacing_m * (static_cast<float>(row) + dz - 0.5f * static_cast<float>(options.rows)));
     };
     for (std::size_t row = 0; row < options.rows; ++row) {
         for (std::size_t column = 0; column < options.columns; ++column) {
@@ -39,8 +38,8 @@ Scene forest(const ForestOptions& options) {
             root.triangles.push_back({{a, c, d}, {grass, grass, grass}});
             const glm::mat4 moved = glm::translate(glm::mat4(1.0f), place(column, row, 0.5f, 0.5f));
             const float turn = glm::quarter_pi<float>() * static_cast<float>(random.below(8));
-            root.placements.push_back({static_cast<std::size_t>(random.below(options.tree_kinds)),
-                                       glm::rotate(moved, turn, {0, 1, 0})});
+            root.placements.push_back(
+                {static_cast<std::size_t>(random.below(options.tree_kinds)), glm::rotate(moved, turn, {0, 1, 0})});
         }
     }
     return scene;

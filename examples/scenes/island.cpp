@@ -73,8 +73,7 @@ class Ground {
 
     vec3 normal(float x, float z) const {
         const float e = side_m_ / cells_per_side;
-        return glm::normalize(
-            vec3(height(x - e, z) - height(x + e, z), 2.0f * e, height(x, z - e) - height(x, z + e)));
+        return glm::normalize(vec3(height(x - e, z) - height(x + e, z), 2.0f * e, height(x, z - e) - height(x, z + e)));
     }
 
     vec3 vertex(int x, int z) const { return {position(x), at(x, z), position(z)}; }
@@ -94,11 +93,9 @@ class Ground {
         const float hills = fractal_noise(9.0f * u + 5.0f, 9.0f * v, 5, seed_ + 100);
         // A summit off the middle, with ridges.
         const float to_summit = std::sqrt((u - 0.09f) * (u - 0.09f) + (v + 0.07f) * (v + 0.07f));
-        const float ridge =
-            1.0f - std::abs(2.0f * fractal_noise(11.0f * u, 11.0f * v, 4, seed_ + 200) - 1.0f);
+        const float ridge = 1.0f - std::abs(2.0f * fractal_noise(11.0f * u, 11.0f * v, 4, seed_ + 200) - 1.0f);
         const float summit = ramp(0.24f, 0.0f, to_summit) * (0.55f + 0.65f * ridge);
-        return 0.09f * side_m_ * inland +
-               relief_m * (0.30f * ramp(0.02f, 0.22f, inland) * hills + 0.75f * summit);
+        return 0.09f * side_m_ * inland + relief_m * (0.30f * ramp(0.02f, 0.22f, inland) * hills + 0.75f * summit);
     }
 
     float side_m_;
@@ -131,8 +128,7 @@ std::vector<Standing> planted(const Ground& ground, const IslandOptions& options
         const float grove = fractal_noise(x / 38.0f, z / 38.0f, 3, options.seed + 300);
         // Once much room is used up, trees stand wherever there is dry land.
         const bool hard_up = distance < 1.0f;
-        if (y < 1.8f || (!hard_up && (steepness > 0.2f || random.unit() > ramp(0.28f, 0.5f, grove))))
-            continue;
+        if (y < 1.8f || (!hard_up && (steepness > 0.2f || random.unit() > ramp(0.28f, 0.5f, grove)))) continue;
         if (grid.any_within({x, 0.0f, z}, distance)) continue;
         misses = 0;
         grid.add({x, 0.0f, z});
@@ -213,9 +209,7 @@ void append_sea(std::vector<VertexColoredTriangle>& triangles, float side_m, Ran
         const float brightness = random.between(0.85f, 1.15f);
         color = display_color(vec3(0.055f, 0.17f, 0.27f) * brightness);
     }
-    const auto color = [&](int x, int z) {
-        return colors[static_cast<std::size_t>(z * (sea_columns + 1) + x)];
-    };
+    const auto color = [&](int x, int z) { return colors[static_cast<std::size_t>(z * (sea_columns + 1) + x)]; };
     for (int z = 0; z < sea_rows; ++z) {
         for (int x = 0; x < sea_columns; ++x) {
             triangles.push_back({{corner(x, z), corner(x + 1, z + 1), corner(x + 1, z)},

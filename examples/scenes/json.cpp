@@ -121,8 +121,7 @@ class Parser {
         if (text_.size() - at_ < 5) fail("ends within a string");
         unsigned code = 0;
         const char* const digits = text_.data() + at_ + 1;
-        if (std::from_chars(digits, digits + 4, code, 16).ptr != digits + 4)
-            fail("an escape without four digits");
+        if (std::from_chars(digits, digits + 4, code, 16).ptr != digits + 4) fail("an escape without four digits");
         at_ += 4;
         return code < 128 ? static_cast<char>(code) : '?';
     }

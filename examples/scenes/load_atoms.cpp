@@ -14,8 +14,7 @@ namespace {
 Triangles drawn(const std::vector<Atom>& atoms, const LoadOptions& options) {
     if (atoms.empty()) return {};
     int levels = 2;
-    while (levels > 0 &&
-           atoms.size() * (std::uint64_t{20} << (2 * levels)) > options.sphere_triangle_budget) {
+    while (levels > 0 && atoms.size() * (std::uint64_t{20} << (2 * levels)) > options.sphere_triangle_budget) {
         --levels;
     }
     Triangles triangles = spheres(atoms, icosphere(levels));
@@ -34,8 +33,8 @@ void set_radii(std::vector<Atom>& atoms) {
     const float least = 0.01f * box.largest_side();
     const glm::vec3 size = glm::max(box.size(), glm::vec3(least));
     // The cube root of each side first: the product of three may be too large.
-    const float edge = std::cbrt(size.x) * std::cbrt(size.y) * std::cbrt(size.z) /
-                       std::cbrt(static_cast<float>(atoms.size()));
+    const float edge =
+        std::cbrt(size.x) * std::cbrt(size.y) * std::cbrt(size.z) / std::cbrt(static_cast<float>(atoms.size()));
     for (Atom& atom : atoms) atom.radius = edge > 0 ? 0.5f * edge : 1.0f;
 }
 
@@ -69,8 +68,8 @@ double pdb_coordinate(const Lines& lines, std::string_view line, std::size_t fir
     const std::string_view field = trimmed(columns(line, first, first + 7));
     const std::optional<double> value = number<double>(field);
     if (!value)
-        lines.fail(in_quotes(field) + " where a coordinate should be, columns " + std::to_string(first) +
-                   " to " + std::to_string(first + 7));
+        lines.fail(in_quotes(field) + " where a coordinate should be, columns " + std::to_string(first) + " to " +
+                   std::to_string(first + 7));
     return *value;
 }
 
@@ -87,8 +86,7 @@ struct Cell {
 };
 
 template <class T>
-T word_as(const Lines& lines, const std::vector<std::string_view>& words, std::size_t i,
-          std::string_view wanted) {
+T word_as(const Lines& lines, const std::vector<std::string_view>& words, std::size_t i, std::string_view wanted) {
     if (i >= words.size()) lines.fail("no " + std::string(wanted));
     const std::optional<T> value = number<T>(words[i]);
     if (!value) lines.fail(in_quotes(words[i]) + " where " + std::string(wanted) + " should be");
@@ -101,8 +99,7 @@ Cell read_cell(Lines& lines, bool triclinic) {
         std::string_view line;
         if (!lines.next(line)) throw std::runtime_error("ends within its box");
         const auto w = words(line);
-        for (std::size_t i = 0; i < (triclinic ? 3u : 2u); ++i)
-            row[i] = word_as<double>(lines, w, i, "a bound");
+        for (std::size_t i = 0; i < (triclinic ? 3u : 2u); ++i) row[i] = word_as<double>(lines, w, i, "a bound");
     }
     Cell cell;
     cell.xy = rows[0][2];
@@ -161,13 +158,11 @@ void read_dump_atoms(Lines& lines, const DumpColumns& columns, const Cell& cell,
     for (std::uint64_t i = 0; i < count; ++i) {
         std::string_view line;
         if (!lines.next(line)) {
-            throw std::runtime_error("ends after " + std::to_string(i) + " of " + std::to_string(count) +
-                                     " atoms");
+            throw std::runtime_error("ends after " + std::to_string(i) + " of " + std::to_string(count) + " atoms");
         }
         const auto w = words(line);
         std::array<double, 3> p{};
-        for (std::size_t k = 0; k < 3; ++k)
-            p[k] = word_as<double>(lines, w, columns.position[k], "a coordinate");
+        for (std::size_t k = 0; k < 3; ++k) p[k] = word_as<double>(lines, w, columns.position[k], "a coordinate");
         if (columns.scaled) p = cell.place(p[0], p[1], p[2]);
         Atom atom{finite(p[0], p[1], p[2], "atom", static_cast<std::size_t>(i)), 0.0f, uncolored};
         const Element* element = nullptr;
@@ -179,8 +174,7 @@ void read_dump_atoms(Lines& lines, const DumpColumns& columns, const Cell& cell,
         }
         if (columns.radius != DumpColumns::none) {
             atom.radius = word_as<float>(lines, w, columns.radius, "a radius");
-            if (!std::isfinite(atom.radius) || atom.radius < 0)
-                lines.fail("a radius that is not finite or negative");
+            if (!std::isfinite(atom.radius) || atom.radius < 0) lines.fail("a radius that is not finite or negative");
         } else {
             particles.radii_missing = true;
         }
@@ -236,8 +230,7 @@ Triangles read_pdb(std::string_view text, const LoadOptions& options) {
                      z = pdb_coordinate(lines, line, 47);
         const char alternate = line[16];
         if (alternate != ' ') {
-            const auto [first, is_new] =
-                alternates.try_emplace(std::string(columns(line, 22, 27)), alternate);
+            const auto [first, is_new] = alternates.try_emplace(std::string(columns(line, 22, 27)), alternate);
             if (first->second != alternate) continue;
         }
         const Element& element = pdb_element(line);
@@ -258,8 +251,7 @@ Triangles read_xyz(std::string_view text, const LoadOptions& options) {
     Particles particles;
     for (std::uint64_t i = 0; i < *count; ++i) {
         if (!lines.next(line)) {
-            throw std::runtime_error("ends after " + std::to_string(i) + " of " + std::to_string(*count) +
-                                     " atoms");
+            throw std::runtime_error("ends after " + std::to_string(i) + " of " + std::to_string(*count) + " atoms");
         }
         const auto w = words(line);
         if (w.size() < 4) lines.fail("fewer than a symbol and three coordinates");
@@ -318,8 +310,7 @@ Triangles read_lammps_data(std::string_view text, const LoadOptions& options) {
         const auto w = words(line.substr(0, hash));
         if (w.empty()) continue;
         if (!in_atoms) {
-            if (w.size() == 2 && w[1] == "atoms")
-                count = word_as<std::uint64_t>(lines, w, 0, "the number of atoms");
+            if (w.size() == 2 && w[1] == "atoms") count = word_as<std::uint64_t>(lines, w, 0, "the number of atoms");
             if (w.size() != 1 || w[0] != "Atoms") continue;
             if (!count) lines.fail("atoms before their number");
             check_room(*count, 9, lines.rest().size() + 1, "atoms");
@@ -333,13 +324,13 @@ Triangles read_lammps_data(std::string_view text, const LoadOptions& options) {
             return word_as<double>(lines, w, columns->x + i, "a coordinate");
         };
         const auto type = word_as<std::int64_t>(lines, w, columns->type, "a type");
-        atoms.push_back({finite(coordinate(0), coordinate(1), coordinate(2), "atom", atoms.size()), 0.0f,
-                         color_of_kind(type)});
+        atoms.push_back(
+            {finite(coordinate(0), coordinate(1), coordinate(2), "atom", atoms.size()), 0.0f, color_of_kind(type)});
     }
     if (!in_atoms) throw std::runtime_error(text.empty() ? "is empty" : "has no section Atoms");
     if (atoms.size() < *count) {
-        throw std::runtime_error("ends after " + std::to_string(atoms.size()) + " of " +
-                                 std::to_string(*count) + " atoms");
+        throw std::runtime_error("ends after " + std::to_string(atoms.size()) + " of " + std::to_string(*count) +
+                                 " atoms");
     }
     set_radii(atoms);
     return drawn(atoms, options);

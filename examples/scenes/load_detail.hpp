@@ -33,9 +33,9 @@ Triangles read_xyz(std::string_view text, const LoadOptions& options);
 Triangles read_lammps_dump(std::string_view text, const LoadOptions& options);
 Triangles read_lammps_data(std::string_view text, const LoadOptions& options);
 
-/// Refuses what a glTF importer may run away with: node graphs that are no trees, counts and offsets beyond
-/// the buffers, buffers beyond their files.
-void check_gltf(const std::filesystem::path& file, std::string_view bytes);
+/// Refuses what a glTF importer may run away with: node graphs that are no trees, counts and offsets beyond the
+/// buffers, buffers beyond their files. Gives the number of triangles that the meshes, each once, should have.
+std::uint64_t check_gltf(const std::filesystem::path& file, std::string_view bytes);
 
 /// One of many well-separated colors for a number that stands for a kind.
 Rgba8 color_of_kind(std::int64_t kind);
@@ -127,11 +127,10 @@ inline glm::vec3 finite(double x, double y, double z, std::string_view kind, std
 }
 
 /// Throws if a file of `bytes` cannot hold `count` things of at least `least_bytes` each.
-inline void check_room(std::uint64_t count, std::uint64_t least_bytes, std::uint64_t bytes,
-                       std::string_view things) {
+inline void check_room(std::uint64_t count, std::uint64_t least_bytes, std::uint64_t bytes, std::string_view things) {
     if (least_bytes > 0 && count > bytes / least_bytes) {
-        throw std::runtime_error("claims " + std::to_string(count) + ' ' + std::string(things) +
-                                 ", but only " + std::to_string(bytes) + " bytes are left for them");
+        throw std::runtime_error("claims " + std::to_string(count) + ' ' + std::string(things) + ", but only " +
+                                 std::to_string(bytes) + " bytes are left for them");
     }
 }
 

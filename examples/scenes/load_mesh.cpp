@@ -36,8 +36,7 @@ struct Image {
             return std::clamp(static_cast<int>(fraction * static_cast<float>(size)), 0, size - 1);
         };
         const int x = wrapped(u, width), y = height - 1 - wrapped(v, height);
-        return texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                      static_cast<std::size_t>(x)];
+        return texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
     }
 };
 
@@ -64,8 +63,7 @@ Image decoded(std::string_view bytes) {
 
 class Textures {
   public:
-    Textures(const aiScene& scene, std::filesystem::path folder)
-        : scene_(scene), folder_(std::move(folder)) {}
+    Textures(const aiScene& scene, std::filesystem::path folder) : scene_(scene), folder_(std::move(folder)) {}
 
     /// Null if there is none, or it cannot be read: the material's color then stands for itself.
     const Image* of(const aiMaterial& material) {
@@ -121,6 +119,9 @@ Surface surface_of(const aiMaterial& material, Textures& textures, bool linear) 
     return surface;
 }
 
+/// A small file can place a large mesh very often; this many are 4.8 GB.
+constexpr std::size_t most_triangles = 100'000'000;
+
 class Collector {
   public:
     Collector(const aiScene& scene, const std::filesystem::path& folder, bool linear)
@@ -151,21 +152,23 @@ class Collector {
         positions.reserve(mesh.mNumVertices);
         for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
             const aiVector3D p = to_world * mesh.mVertices[v];
-            positions.push_back(finite(static_cast<double>(p.x), static_cast<double>(p.y),
-                                       static_cast<double>(p.z), kind, v));
+            positions.push_back(
+                finite(static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z), kind, v));
         }
         const bool mirrored = to_world.Determinant() < 0;  // turns fronts into backs
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
             const aiFace& face = mesh.mFaces[f];
             for (unsigned i = 0; i < face.mNumIndices; ++i) {
                 if (face.mIndices[i] >= mesh.mNumVertices) {
-                    throw std::runtime_error("mesh " + std::to_string(mesh_index) + ": face " +
-                                             std::to_string(f) + " names vertex " +
-                                             std::to_string(face.mIndices[i]) + " of " +
+                    throw std::runtime_error("mesh " + std::to_string(mesh_index) + ": face " + std::to_string(f) +
+                                             " names vertex " + std::to_string(face.mIndices[i]) + " of " +
                                              std::to_string(mesh.mNumVertices));
                 }
             }
             if (face.mNumIndices != 3) continue;  // points and lines
+            if (triangles_.size() == most_triangles) {
+                throw std::runtime_error("more than 100,000,000 triangles, with every instance of its meshes");
+            }
             const unsigned* index = face.mIndices;
             const std::array<unsigned, 3> corners{index[0], index[mirrored ? 2 : 1], index[mirrored ? 1 : 2]};
             VertexColoredTriangle& triangle = triangles_.emplace_back();
@@ -174,21 +177,27 @@ class Collector {
         }
     }
 
-    void color(const aiMesh& mesh, const std::array<unsigned, 3>& corners,
-               std::array<Rgba8, 3>& colors) const {
-        const Surface surface =
-            mesh.mMaterialIndex < surfaces_.size() ? surfaces_[mesh.mMaterialIndex] : Surface{};
+    void color(const aiMesh& mesh, const std::array<unsigned, 3>& corners, std::array<Rgba8, 3>& colors) const {
+        const Surface surface = mesh.mMaterialIndex < surfaces_.size() ? surfaces_[mesh.mMaterialIndex] : Surface{};
         const aiVector3D* uv = mesh.mTextureCoords[0];
         aiVector3D middle;
         if (uv) middle = (uv[corners[0]] + uv[corners[1]] + uv[corners[2]]) / 3.0f;
         for (std::size_t k = 0; k < 3; ++k) {
             glm::vec3 c = surface.color;
-            if (const aiColor4D* own = mesh.mColors[0])
+            if (const aiColor4D* own = mesh.mColors[0]) {
                 c *= glm::vec3(own[corners[k]].r, own[corners[k]].g, own[corners[k]].b);
+            }
             if (surface.image && uv) {
                 // A little inside, for in atlases the corner's own texel may be the neighbor's.
                 const aiVector3D t = uv[corners[k]] * 0.9f + middle * 0.1f;
-                const Rgba8 texel = surface.image->at(t.x, t.y);
+                Rgba8 texel = surface.image->at(t.x, t.y);
+                // Cut-out leaves are drawn whole, and a transparent texel's color is often black: take one of
+                // those that would be seen.
+                for (float way = 0.2f; texel.a < 128 && way < 1.0f; way += 0.2f) {
+                    const aiVector3D inner = uv[corners[k]] * (1.0f - way) + middle * way;
+                    texel = surface.image->at(inner.x, inner.y);
+                }
+                if (texel.a < 128) texel = {255, 255, 255, 255};
                 c *= surface.linear ? linear_color(texel) : glm::vec3(to_vec4(texel));
             }
             colors[k] = surface.linear ? display_color(c) : to_rgba8(glm::vec4(c, 1.0f));
@@ -201,6 +210,16 @@ class Collector {
     Triangles triangles_;
 };
 
+std::uint64_t triangles_in_meshes(const aiScene& scene) {
+    std::uint64_t sum = 0;
+    for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+        const aiMesh& mesh = *scene.mMeshes[m];
+        sum += static_cast<std::uint64_t>(std::count_if(mesh.mFaces, mesh.mFaces + mesh.mNumFaces,
+                                                        [](const aiFace& f) { return f.mNumIndices == 3; }));
+    }
+    return sum;
+}
+
 }  // namespace
 
 Triangles read_with_assimp(const std::filesystem::path& file) {
@@ -208,11 +227,17 @@ Triangles read_with_assimp(const std::filesystem::path& file) {
     if (bytes.empty()) throw std::runtime_error("is empty");
     const std::string extension = file.extension().string();
     const bool gltf = extension.size() > 1 && (extension[1] == 'g' || extension[1] == 'G');
-    if (gltf) check_gltf(file, bytes);
+    const std::uint64_t expected = gltf ? check_gltf(file, bytes) : 0;
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
     if (!scene) throw std::runtime_error(importer.GetErrorString());
     if (!scene->mRootNode || !scene->HasMeshes()) return {};
+    // Assimp leaves out faces of glTF that name vertices which do not exist, with a line in its log.
+    const std::uint64_t triangles = triangles_in_meshes(*scene);
+    if (triangles < expected) {
+        throw std::runtime_error(std::to_string(expected - triangles) + " of " + std::to_string(expected) +
+                                 " triangles name vertices out of range");
+    }
     return Collector(*scene, file.parent_path(), gltf).collected();
 }
 

@@ -95,8 +95,7 @@ Header read_header(Words& words) {
     words.next("OFF");
     // Some well-known files run the keyword and the first count together: "OFF490 518 0".
     if (!word.empty()) {
-        if (!number<std::uint64_t>(word))
-            Words::fail(line, in_quotes(whole) + " is not a keyword of the format");
+        if (!number<std::uint64_t>(word)) Words::fail(line, in_quotes(whole) + " is not a keyword of the format");
         words.back_over(whole, whole.size() - word.size());
     }
     if (!words.done() && words.peek() == "BINARY") throw std::runtime_error("binary OFF is not supported");
@@ -124,8 +123,7 @@ RawColor raw_color(const std::vector<std::string_view>& words, std::size_t line)
     color.indexed = words.size() == 1;
     for (std::size_t i = 0; i < words.size(); ++i) {
         const std::optional<float> value = number<float>(words[i]);
-        if (!value || !(*value >= 0.0f && *value <= 1e6f))
-            Words::fail(line, in_quotes(words[i]) + " in a color");
+        if (!value || !(*value >= 0.0f && *value <= 1e6f)) Words::fail(line, in_quotes(words[i]) + " in a color");
         color.channels[i] = *value;
     }
     return color;
@@ -170,13 +168,12 @@ Vertices read_vertices(Words& words, const Header& header, std::size_t count) {
             // As many as dimensions; not needed.
             for (std::size_t i = 0; i < header.dimensions; ++i) words.next_number<double>(wanted);
         }
-        if (!header.colors && !header.texture && !words.done() && words.line() == line &&
-            line != checked_line) {
+        if (!header.colors && !header.texture && !words.done() && words.line() == line && line != checked_line) {
             // Several vertices in a line are legal; anything else means that the keyword lacks a prefix, and
             // taking the numbers as they come would give a scene of nonsense.
             checked_line = line;
             const std::size_t more = Words(words).rest_of(line).size();
-            if (more % numbers != 0) {
+            if (more % numbers != 0 && more < numbers * (count - 1 - v)) {
                 Words::fail(line, std::to_string(numbers + more) + " numbers where the keyword calls for " +
                                       std::to_string(numbers) + " a vertex");
             }
@@ -208,9 +205,7 @@ Triangles read_off(std::string_view text) {
     const auto vertex_count = words.next_number<std::uint64_t>("the number of vertices");
     const auto face_count = words.next_number<std::uint64_t>("the number of faces");
     // The number of edges is of no use, and missing in some files.
-    if (words.rest_of(line_of_counts).empty() && words.done() && vertex_count + face_count > 0) {
-        throw std::runtime_error("ends after its counts");
-    }
+    if (!words.done() && words.line() == line_of_counts) words.next_number<double>("the number of edges");
     check_room(vertex_count, 2 * header.dimensions, words.bytes_left() + 1, "vertices");
     const Vertices vertices = read_vertices(words, header, static_cast<std::size_t>(vertex_count));
     check_room(face_count, 2, words.bytes_left() + 1, "faces");
@@ -228,8 +223,8 @@ Triangles read_off(std::string_view text) {
             line = words.line();
             const auto index = words.next_number<std::uint64_t>("a vertex of " + wanted);
             if (index >= vertex_count) {
-                Words::fail(line, "face " + std::to_string(f) + " names vertex " + std::to_string(index) +
-                                      " of " + std::to_string(vertex_count));
+                Words::fail(line, "face " + std::to_string(f) + " names vertex " + std::to_string(index) + " of " +
+                                      std::to_string(vertex_count));
             }
             polygon.push_back(static_cast<std::size_t>(index));
         }

@@ -178,8 +178,7 @@ struct ColorColumns {
     std::array<double, 3> scales{};
 
     explicit ColorColumns(const Element& element)
-        : columns{element.index_of({"red", "r", "diffuse_red"}),
-                  element.index_of({"green", "g", "diffuse_green"}),
+        : columns{element.index_of({"red", "r", "diffuse_red"}), element.index_of({"green", "g", "diffuse_green"}),
                   element.index_of({"blue", "b", "diffuse_blue"})} {
         for (std::size_t i = 0; i < 3; ++i) {
             if (!present()) return;
@@ -199,8 +198,8 @@ struct ColorColumns {
 };
 
 /// One value a property; of the property `kept_list`, the list itself.
-void read_row(Body& body, const Element& element, std::uint64_t row, int kept_list,
-              std::vector<double>& values, std::vector<double>& list) {
+void read_row(Body& body, const Element& element, std::uint64_t row, int kept_list, std::vector<double>& values,
+              std::vector<double>& list) {
     const auto wanted = [&] {
         return std::string(element.name) + ' ' + std::to_string(row) + " of " + std::to_string(element.count);
     };
@@ -237,9 +236,9 @@ void read_vertices(Body& body, const Element& element, Vertices& vertices) {
     vertices.positions.reserve(static_cast<std::size_t>(element.count));
     for (std::uint64_t row = 0; row < element.count; ++row) {
         read_row(body, element, row, -1, values, unused);
-        vertices.positions.push_back(
-            finite(values[static_cast<std::size_t>(x)], values[static_cast<std::size_t>(y)],
-                   values[static_cast<std::size_t>(z)], "vertex", static_cast<std::size_t>(row)));
+        vertices.positions.push_back(finite(values[static_cast<std::size_t>(x)], values[static_cast<std::size_t>(y)],
+                                            values[static_cast<std::size_t>(z)], "vertex",
+                                            static_cast<std::size_t>(row)));
         if (colors.present()) vertices.colors.push_back(colors.color(values));
     }
 }

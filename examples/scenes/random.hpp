@@ -40,8 +40,7 @@ class Random {
 
 /// A fixed value in [0, 1) for a lattice point: the noise of the terrain.
 inline float lattice_value(std::int32_t x, std::int32_t z, std::uint64_t seed) {
-    const std::uint64_t key =
-        (std::uint64_t(static_cast<std::uint32_t>(x)) << 32) | static_cast<std::uint32_t>(z);
+    const std::uint64_t key = (std::uint64_t(static_cast<std::uint32_t>(x)) << 32) | static_cast<std::uint32_t>(z);
     return Random(Random(key ^ (seed * 0xd1342543de82ef95u)).bits()).unit();
 }
 

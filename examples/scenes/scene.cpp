@@ -26,9 +26,9 @@ glm::vec3 transformed(const glm::mat4& m, const glm::vec3& p) {
 Box transformed(const glm::mat4& m, const Box& box) {
     Box result = Box::empty();
     for (int corner = 0; corner < 8; ++corner) {
-        result.add(transformed(
-            m, glm::vec3((corner & 1) ? box.upper.x : box.lower.x, (corner & 2) ? box.upper.y : box.lower.y,
-                         (corner & 4) ? box.upper.z : box.lower.z)));
+        result.add(
+            transformed(m, glm::vec3((corner & 1) ? box.upper.x : box.lower.x, (corner & 2) ? box.upper.y : box.lower.y,
+                                     (corner & 4) ? box.upper.z : box.lower.z)));
     }
     return result;
 }
@@ -92,8 +92,7 @@ Scene expanded(const Scene& scene, std::uint64_t triangle_limit) {
     const std::uint64_t count = triangle_count(scene);
     if (count > triangle_limit) {
         throw std::length_error("scene '" + scene.name + "' has " + std::to_string(count) +
-                                " triangles when expanded, more than the limit of " +
-                                std::to_string(triangle_limit));
+                                " triangles when expanded, more than the limit of " + std::to_string(triangle_limit));
     }
     Scene result{scene.name, std::vector<Group>(1), scene.up};
     result.groups[0].triangles.reserve(static_cast<std::size_t>(count));

@@ -24,8 +24,7 @@ inline UnitSphere latitude_longitude_sphere(std::size_t slices, std::size_t band
         const double polar = pi * static_cast<double>(band) / static_cast<double>(bands);
         // The last slice ends on the very bits the first begins with: no crack.
         const double azimuth = 2.0 * pi * static_cast<double>(slice % slices) / static_cast<double>(slices);
-        return glm::vec3(static_cast<float>(std::sin(polar) * std::cos(azimuth)),
-                         static_cast<float>(std::cos(polar)),
+        return glm::vec3(static_cast<float>(std::sin(polar) * std::cos(azimuth)), static_cast<float>(std::cos(polar)),
                          static_cast<float>(std::sin(polar) * std::sin(azimuth)));
     };
     UnitSphere sphere;
@@ -45,10 +44,9 @@ inline UnitSphere icosphere(int levels) {
     const float p = 0.5f * (1.0f + std::sqrt(5.0f));
     const glm::vec3 v[12] = {{-1, p, 0},  {1, p, 0},  {-1, -p, 0}, {1, -p, 0}, {0, -1, p},  {0, 1, p},
                              {0, -1, -p}, {0, 1, -p}, {p, 0, -1},  {p, 0, 1},  {-p, 0, -1}, {-p, 0, 1}};
-    constexpr int faces[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
-                                  {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                  {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
-                                  {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+    constexpr int faces[20][3] = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                                  {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     UnitSphere sphere;
     for (const auto& f : faces) {
         sphere.push_back({glm::normalize(v[f[0]]), glm::normalize(v[f[1]]), glm::normalize(v[f[2]])});
@@ -57,8 +55,7 @@ inline UnitSphere icosphere(int levels) {
         UnitSphere finer;
         finer.reserve(4 * sphere.size());
         for (const auto& [a, b, c] : sphere) {
-            const glm::vec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c),
-                            ca = glm::normalize(c + a);
+            const glm::vec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c), ca = glm::normalize(c + a);
             finer.push_back({a, ab, ca});
             finer.push_back({ab, b, bc});
             finer.push_back({ca, bc, c});

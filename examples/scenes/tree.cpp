@@ -58,22 +58,15 @@ struct Plan {
 
 Plan plan_for(std::uint32_t triangles) {
     if (triangles >= 40'000) {
-        return {{{{14, 12, 36, 0.07f, 0.03f},
-                  {7, 7, 9, 0.16f, 0.05f},
-                  {4, 4, 5, 0.22f, 0.04f},
-                  {2, 3, 0, 0.2f, 0.05f}}},
-                3};
+        return {
+            {{{14, 12, 36, 0.07f, 0.03f}, {7, 7, 9, 0.16f, 0.05f}, {4, 4, 5, 0.22f, 0.04f}, {2, 3, 0, 0.2f, 0.05f}}},
+            3};
     }
     if (triangles >= 7'000) {
-        return {{{{9, 8, 28, 0.08f, 0.03f},
-                  {4, 4, 7, 0.2f, 0.07f},
-                  {2, 3, 0, 0.25f, 0.05f},
-                  {1, 3, 0, 0.0f, 0.0f}}},
+        return {{{{9, 8, 28, 0.08f, 0.03f}, {4, 4, 7, 0.2f, 0.07f}, {2, 3, 0, 0.25f, 0.05f}, {1, 3, 0, 0.0f, 0.0f}}},
                 2};
     }
-    return {
-        {{{5, 5, 14, 0.1f, 0.03f}, {3, 3, 4, 0.2f, 0.08f}, {1, 3, 0, 0.2f, 0.05f}, {1, 3, 0, 0.0f, 0.0f}}},
-        2};
+    return {{{{5, 5, 14, 0.1f, 0.03f}, {3, 3, 4, 0.2f, 0.08f}, {1, 3, 0, 0.2f, 0.05f}, {1, 3, 0, 0.0f, 0.0f}}}, 2};
 }
 
 vec3 perpendicular(const vec3& d) {
@@ -137,8 +130,7 @@ class Crown {
     std::array<Lobe, 14> lobes_{};
 };
 
-Stem grown(Random& random, const Plan& plan, int level, vec3 start, vec3 direction, float length,
-           float radius) {
+Stem grown(Random& random, const Plan& plan, int level, vec3 start, vec3 direction, float length, float radius) {
     const Level& shape = plan.level[static_cast<std::size_t>(level)];
     Stem stem{level, {start}, {radius}};
     const float step = length / static_cast<float>(shape.segments);
@@ -183,8 +175,7 @@ std::vector<Stem> stems_of(const TreeOptions& options, const Plan& plan, const C
             float azimuth = random.between(0.0f, glm::two_pi<float>());
             const float first_t = level == 1 ? (crown.base() + 0.07f * h) / (0.86f * h) : 0.25f;
             for (std::size_t c = 0; c < children; ++c) {
-                const float along =
-                    (static_cast<float>(c) + random.between(0.1f, 0.9f)) / static_cast<float>(children);
+                const float along = (static_cast<float>(c) + random.between(0.1f, 0.9f)) / static_cast<float>(children);
                 const float t = first_t + (1.0f - first_t) * along;
                 azimuth += golden_angle + random.between(-0.4f, 0.4f);
                 const vec3 start = parent.at(t);
@@ -194,8 +185,7 @@ std::vector<Stem> stems_of(const TreeOptions& options, const Plan& plan, const C
                 const float way_out = crown.way_out(start, direction);
                 float length = way_out * random.between(0.78f, 1.02f);
                 if (level == 2) length = std::min(length, h * random.between(0.09f, 0.17f));
-                if (level == 3)
-                    length = std::min(std::max(length, 0.02f * h), h * random.between(0.03f, 0.06f));
+                if (level == 3) length = std::min(std::max(length, 0.02f * h), h * random.between(0.03f, 0.06f));
                 length = std::max(length, 0.015f * h);
                 const float thickness = level == 1 ? 0.021f : level == 2 ? 0.014f : 0.009f;
                 const float radius = std::min(0.62f * parent.radius(t), thickness * length + 0.0006f * h);
@@ -277,16 +267,14 @@ std::uint64_t wood_triangles(const std::vector<Stem>& stems, const Plan& plan) {
 
 /// `count` leaves, spread over the stems of the last level and the tips of the one before, as many a meter
 /// everywhere.
-std::vector<Leaf> leaves_on(const std::vector<Stem>& stems, const Plan& plan, const Crown& crown,
-                            std::size_t count, float length, Random& random) {
+std::vector<Leaf> leaves_on(const std::vector<Stem>& stems, const Plan& plan, const Crown& crown, std::size_t count,
+                            float length, Random& random) {
     std::vector<const Stem*> twigs;
     for (const Stem& stem : stems) {
         if (stem.level >= plan.last_level - 1 && stem.level > 0) twigs.push_back(&stem);
     }
     float all_weight = 0.0f;
-    const auto weight = [&](const Stem& stem) {
-        return stem.length() * (stem.level == plan.last_level ? 1.0f : 0.3f);
-    };
+    const auto weight = [&](const Stem& stem) { return stem.length() * (stem.level == plan.last_level ? 1.0f : 0.3f); };
     for (const Stem* twig : twigs) all_weight += weight(*twig);
     float weight_so_far = 0.0f;
     const float tint = random.unit();
@@ -314,13 +302,11 @@ std::vector<Leaf> leaves_on(const std::vector<Stem>& stems, const Plan& plan, co
             normal -= along * glm::dot(normal, along);
             // Nearly along the leaf, rarely: any perpendicular is as good.
             normal = glm::length(normal) > 0.05f ? glm::normalize(normal) : perpendicular(along);
-            const float yellow =
-                std::clamp(0.45f * tint + twig_tint + random.between(-0.1f, 0.35f), 0.0f, 1.0f);
-            vec3 albedo =
-                vec3(0.045f, 0.150f, 0.020f) * (1.0f - yellow) + vec3(0.200f, 0.300f, 0.035f) * yellow;
+            const float yellow = std::clamp(0.45f * tint + twig_tint + random.between(-0.1f, 0.35f), 0.0f, 1.0f);
+            vec3 albedo = vec3(0.045f, 0.150f, 0.020f) * (1.0f - yellow) + vec3(0.200f, 0.300f, 0.035f) * yellow;
             albedo *= random.between(0.75f, 1.25f);
-            leaves.push_back({place + along * (0.15f * length), along, normal,
-                              length * random.between(0.72f, 1.28f), albedo});
+            leaves.push_back(
+                {place + along * (0.15f * length), along, normal, length * random.between(0.72f, 1.28f), albedo});
         }
     }
     return leaves;
@@ -328,8 +314,8 @@ std::vector<Leaf> leaves_on(const std::vector<Stem>& stems, const Plan& plan, co
 
 constexpr float leaf_breadth = 0.55f;  // of its length
 
-void append(std::vector<VertexColoredTriangle>& triangles, const Leaf& leaf, const Shade& shade,
-            const Light& light, bool half) {
+void append(std::vector<VertexColoredTriangle>& triangles, const Leaf& leaf, const Shade& shade, const Light& light,
+            bool half) {
     const vec3 middle = leaf.base + leaf.along * (0.5f * leaf.length);
     const vec3 side = glm::cross(leaf.normal, leaf.along) * (0.5f * leaf_breadth * leaf.length);
     const vec3 fold = leaf.normal * (0.12f * leaf.length);
@@ -343,8 +329,8 @@ void append(std::vector<VertexColoredTriangle>& triangles, const Leaf& leaf, con
         // other, and so the mean of the two over all ways a leaf may be turned to viewer and sun.
         const float facing = std::abs(glm::dot(normal, light.to_sun));
         const vec3 up_side = normal.y < 0 ? -normal : normal;
-        const vec3 reflected = lit(light, leaf.albedo, up_side, 0.0f, sky) +
-                               leaf.albedo * light.sun * (0.15f + 0.75f * facing) * sun;
+        const vec3 reflected =
+            lit(light, leaf.albedo, up_side, 0.0f, sky) + leaf.albedo * light.sun * (0.15f + 0.75f * facing) * sun;
         const vec3 transmitted = vec3(0.055f, 0.06f, 0.0f) * light.sun * (facing * sun);
         const Rgba8 color = display_color(reflected + transmitted);
         triangles.push_back({{a, b, c}, {color, color, color}});
@@ -353,8 +339,8 @@ void append(std::vector<VertexColoredTriangle>& triangles, const Leaf& leaf, con
     if (!half) add(leaf.base, tip, widest + side);
 }
 
-void append(std::vector<VertexColoredTriangle>& triangles, const Stem& stem, std::size_t sides,
-            const Shade& shade, const Light& light, Random& random) {
+void append(std::vector<VertexColoredTriangle>& triangles, const Stem& stem, std::size_t sides, const Shade& shade,
+            const Light& light, Random& random) {
     const std::size_t rings = stem.points.size();
     std::vector<vec3> vertices;
     std::vector<Rgba8> colors;
@@ -413,8 +399,7 @@ Scene tree(const TreeOptions& options) {
 
     // Leaf area is about four times the ground under the crown, as in a closed broadleaf stand.
     const float crown_radius = 0.36f * options.height_m * options.breadth;
-    const float leaf_area =
-        3.2f * glm::pi<float>() * crown_radius * crown_radius / static_cast<float>(leaf_count);
+    const float leaf_area = 3.2f * glm::pi<float>() * crown_radius * crown_radius / static_cast<float>(leaf_count);
     const float leaf_length = std::sqrt(leaf_area / (0.5f * leaf_breadth));
     const std::vector<Leaf> leaves = leaves_on(stems, plan, crown, leaf_count, leaf_length, random);
     const Shade shade(leaves, leaf_area, 0.035f * options.height_m);
@@ -423,8 +408,7 @@ Scene tree(const TreeOptions& options) {
     std::vector<VertexColoredTriangle>& triangles = scene.groups[0].triangles;
     triangles.reserve(options.triangles);
     for (const Stem& stem : stems) {
-        append(triangles, stem, plan.level[static_cast<std::size_t>(stem.level)].sides, shade, options.light,
-               random);
+        append(triangles, stem, plan.level[static_cast<std::size_t>(stem.level)].sides, shade, options.light, random);
     }
     for (std::size_t i = 0; i < leaves.size(); ++i) {
         append(triangles, leaves[i], shade, options.light, left % 2 == 1 && i + 1 == leaves.size());

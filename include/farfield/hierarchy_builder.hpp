@@ -35,16 +35,21 @@ inline std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
     return hash ^ hash >> 29;
 }
 
+template <SomeBox B>
+std::uint64_t mixed(std::uint64_t hash, const B& b) {
+    // One chain of multiplications a box, not three: the chain is what takes the time.
+    const auto word = [](float l, float u) {
+        return std::uint64_t(std::bit_cast<std::uint32_t>(l)) << 32 | std::bit_cast<std::uint32_t>(u);
+    };
+    return mixed(hash, word(float(b.lower.x), float(b.upper.x)) * 0xbf58476d1ce4e5b9u ^
+                           word(float(b.lower.y), float(b.upper.y)) * 0x94d049bb133111ebu ^
+                           word(float(b.lower.z), float(b.upper.z)));
+}
+
 template <Primitive P>
 std::uint64_t fingerprint_of(std::span<const P> primitives) {
     std::uint64_t hash = mixed(0, primitives.size());
-    for (const P& p : primitives) {
-        const auto b = primitive_traits<P>::bounds(p);
-        for (int axis = 0; axis < 3; ++axis) {
-            hash = mixed(hash, std::uint64_t(std::bit_cast<std::uint32_t>(float(b.lower[axis]))) << 32 |
-                                   std::bit_cast<std::uint32_t>(float(b.upper[axis])));
-        }
-    }
+    for (const P& p : primitives) hash = mixed(hash, primitive_traits<P>::bounds(p));
     return hash;
 }
 
@@ -103,12 +108,14 @@ class HierarchyBuilder {
             throw std::invalid_argument(
                 "farfield: more than 2^32 - 16 primitives; use instances or several hierarchies");
         }
+        parts_.fingerprint = mixed(0, primitives_.size());
         auto whole = decltype(primitive_traits<P>::bounds(std::declval<const P&>()))::empty();
         for (std::size_t i = 0; i < primitives_.size(); ++i) {
             const auto b = primitive_traits<P>::bounds(primitives_[i]);
             if (b.is_empty()) refuse(i, "has an empty bounding box (lower > upper)");
             if (!b.is_finite()) refuse(i, "has a bounding box that is not finite (NaN or infinity)");
             whole.add(b);
+            parts_.fingerprint = mixed(parts_.fingerprint, b);
         }
         if constexpr (has_double_bounds<P>) {
             if (!whole.is_empty()) parts_.origin = whole.center();
@@ -132,7 +139,6 @@ class HierarchyBuilder {
             throw std::invalid_argument("farfield: the scene's extent overflows single precision");
         }
         parts_.primitive_count = primitives_.size();
-        parts_.fingerprint = fingerprint_of(primitives_);
         parts_.report.primitives = primitives_.size();
         parts_.root = partition_.root(parts_.bounds);
         drafts_.push_back({.cell = parts_.root, .count = items_.size(), .cost = total});
@@ -193,7 +199,8 @@ class HierarchyBuilder {
         const std::span<const Item> items(items_.data() + node.first, node.count);
         node.answer = items.empty() ? Split::no : partition_.choose(node.cell, items, node.data);
         bool splits = node.answer == Split::yes || node.answer == Split::always;
-        float rest_cost = 0;
+        float rest_cost = 0, kept_cost = 0;
+        std::size_t kept = 0;
         if (splits) {
             struct Emit {
                 std::uint8_t& mask;
@@ -204,7 +211,11 @@ class HierarchyBuilder {
                 std::uint8_t mask = 0;
                 partition_.place(node.cell, std::as_const(node.data), items[i], touches(items[i].source), Emit{mask});
                 targets_[node.first + i] = mask;
-                if (mask == 0) continue;
+                if (mask == 0) {
+                    ++kept;
+                    kept_cost += items[i].cost;
+                    continue;
+                }
                 rest_cost += items[i].cost;
                 for (unsigned m = mask; m != 0; m &= m - 1) ++l.count[unsigned(std::countr_zero(m))];
             }
@@ -225,13 +236,14 @@ class HierarchyBuilder {
         }
         if (node.child_mask == 0) splits = false;
         node.is_leaf = !splits;
-        if (!splits) node.child_mask = 0;
-        l.kept = 0;
-        node.cost = 0;
-        for (std::size_t i = 0; i < items.size(); ++i) {
-            if (splits && targets_[node.first + i] != 0) continue;
-            ++l.kept;
-            node.cost += items[i].cost;
+        if (splits) {
+            l.kept = kept;
+            node.cost = kept_cost;
+        } else {
+            node.child_mask = 0;
+            l.kept = items.size();
+            node.cost = 0;
+            for (const Item& item : items) node.cost += item.cost;
         }
         if (node.answer == Split::too_deep) l.too_deep = pays(node.cost, 1);
     }
@@ -345,6 +357,17 @@ class HierarchyBuilder {
         kept_ = {};
     }
 
+    /// Primitives lie in the user's order and are wanted in the hierarchy's: every one is a miss, unless asked for
+    /// early.
+    void prefetch(std::uint32_t position) const {
+#if defined(__GNUC__)
+        if (position >= parts_.order.size()) return;
+        const char* primitive = reinterpret_cast<const char*>(&primitives_[parts_.order[position]]);
+        __builtin_prefetch(primitive);
+        if constexpr (sizeof(P) > 16) __builtin_prefetch(primitive + sizeof(P) - 1);
+#endif
+    }
+
     template <class Draft>
     void make_drafts(std::vector<Draft>& drafts) {
         drafts.resize(drafts_.size());
@@ -357,6 +380,7 @@ class HierarchyBuilder {
                 if (first_item_[n] == end) continue;
                 const auto contents = [&](auto&& sink) {
                     for (std::uint32_t at = first_item_[n]; at < end; ++at) {
+                        prefetch(at + 12);
                         if constexpr (PrimitiveWithPolygons<P>) {
                             local_polygons(primitives_[parts_.order[at]], parts_.origin, sink);
                         }

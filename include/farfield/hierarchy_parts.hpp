@@ -60,9 +60,9 @@ inline constexpr std::size_t stored_size = std::is_empty_v<T> ? 0 : sizeof(T);
 /// What a builder makes and a SpatialHierarchy keeps; everything is in the hierarchy's own coordinates.
 template <class Partition, class Approximation>
 struct HierarchyParts {
-    std::vector<Node> nodes{};                                 ///< root first; at least one
-    std::vector<typename Partition::node_data> node_data{};    ///< parallel to nodes; empty where records are
-    std::vector<typename Approximation::cell_data> cell_data;  ///< of nodes with a stand-in, in node order
+    std::vector<Node> nodes{};                                   ///< root first; at least one
+    std::vector<typename Partition::node_data> node_data{};      ///< parallel to nodes; empty where records are
+    std::vector<typename Approximation::cell_data> cell_data{};  ///< of nodes with a stand-in, in node order
     std::vector<typename Approximation::pool_element> pool{};
     std::vector<std::uint32_t> order{};  ///< position -> primitive
     bool root_has_stand_in = false;

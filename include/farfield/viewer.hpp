@@ -81,6 +81,8 @@ class Viewer {
     static constexpr std::size_t batch = 256;
     /// A subtree that crosses the frustum's border is not culled any finer than this many items: see Exact.
     static constexpr std::uint32_t culling_pays_above = 128;
+    /// Whether a cell is hidden is not asked for fewer items: the answer costs about as much as drawing ten.
+    static constexpr std::uint32_t asking_pays_above = 64;
 
     /// What a viewer keeps of each hierarchy it may meet.
     struct SourceState {
@@ -173,21 +175,22 @@ class Viewer {
         const auto& h = v.hierarchy;
         using A = typename std::remove_cvref_t<decltype(h)>::approximation_type;
         const Node& node = h.nodes()[index];
-        bool may_stand_in_below = false;
+        // Level 0 is the node itself, whose stand-in is asked first.
+        bool may_stand_in_below = node.child_mask != 0 && node.levels_to_last_stand_in != Node::nothing_below &&
+                                  node.levels_to_last_stand_in != 0;
         if constexpr (A::facts.stands_in) {
             const A& approximation = h.approximation_policy();
             if (data != nullptr && approximation.error_px(*data, cell, v.view) <= v.view.tolerance_px) {
                 stand_in(v, *data, cell);
                 return;
             }
-            may_stand_in_below = node.levels_to_last_stand_in != Node::nothing_below;
             if constexpr (A::facts.bounds_error && H::partition_type::facts.halves) {
                 may_stand_in_below =
                     may_stand_in_below &&
                     approximation.least_error_px(cell, node.levels_to_last_stand_in, v.view) <= v.view.tolerance_px;
             }
             if constexpr (R::facts.answers_hidden) {
-                if (renderer_.hidden(cell, CellId{v.path, index})) {
+                if (end_item - node.first_item > asking_pays_above && renderer_.hidden(cell, CellId{v.path, index})) {
                     ++stats_.cells_hidden;
                     return;
                 }
@@ -333,7 +336,6 @@ class Viewer {
             return;
         }
         ranges_[range_count_++] = {first, end - first};
-        ++stats_.runs;
         if (range_count_ == batch) flush(v);
     }
 
@@ -342,6 +344,8 @@ class Viewer {
     template <class V>
     void flush(V& v) {
         if (range_count_ != 0) {
+            if constexpr (R::facts.order == Order::any) merge_ranges();
+            stats_.runs += range_count_;
             renderer_.draw(v.source, std::span<const Range>(ranges_.data(), std::exchange(range_count_, 0)));
         }
         if constexpr (R::facts.draws_splats) {
@@ -352,6 +356,21 @@ class Viewer {
         if constexpr (R::facts.draws_faces) {
             if (face_count_ != 0) renderer_.draw(std::span<const Face>(faces_.data(), std::exchange(face_count_, 0)));
         }
+    }
+
+    /// Cells come front to back, which tears neighbors in memory apart; the renderer does not mind their order.
+    void merge_ranges() {
+        const auto begin = ranges_.begin(), end = begin + std::ptrdiff_t(range_count_);
+        std::sort(begin, end, [](Range a, Range b) { return a.first < b.first; });
+        auto last = begin;
+        for (auto r = begin + 1; r != end; ++r) {
+            if (last->first + last->count == r->first) {
+                last->count += r->count;
+            } else {
+                *++last = *r;
+            }
+        }
+        range_count_ = std::size_t(last - begin) + 1;
     }
 
     void replay_deferred() {

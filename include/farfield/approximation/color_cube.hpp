@@ -137,21 +137,25 @@ struct ColorCube {
         const Box bounds = cell.bounds();
         const float side = cell.largest_side();
         const float looseness = side > 0 ? bounds.largest_side() / side : 1.0f;
-        SampleGrid grid{bounds, unsigned(std::ceil(float(samples) * looseness)), 1};
+        SampleGrid grid{bounds, std::min(unsigned(std::ceil(float(samples) * looseness)), 16u), 1};
         thread_local std::vector<Rgba8> out;
         out.resize(grid.size());
         sampler.sample(grid, contents, std::span<Rgba8>(out));
         draft d{};
+        const std::size_t squares = std::size_t(grid.n) * grid.n;
         const glm::vec3 square = bounds.size() * (1.0f / float(grid.n));
         for (unsigned s = 0; s < 6; ++s) {
             const int u = int(s / 2 + 1) % 3, v = int(s / 2 + 2) % 3;
-            std::array<std::uint32_t, 4> sum{};
-            for (std::size_t i = grid.index(s, 0, 0, 0), end = i + std::size_t(grid.n) * grid.n; i < end; ++i) {
-                sum[0] += out[i].r;
-                sum[1] += out[i].g;
-                sum[2] += out[i].b;
-                sum[3] += out[i].a;
+            // Two channels a word: 256 samples of 255 fill 16 bits.
+            std::uint32_t red_blue = 0, green_alpha = 0;
+            for (const Rgba8 sample : std::span<const Rgba8>(out).subspan(grid.index(s, 0, 0, 0), squares)) {
+                const std::uint32_t c = std::bit_cast<std::uint32_t>(sample);
+                red_blue += c & 0x00ff00ffu;
+                green_alpha += c >> 8 & 0x00ff00ffu;
             }
+            static_assert(std::endian::native == std::endian::little, "bytes of a color are taken apart");
+            const std::array<std::uint32_t, 4> sum{red_blue & 0xffff, green_alpha & 0xffff, red_blue >> 16,
+                                                   green_alpha >> 16};
             const float face = 4 * cell.half[u] * cell.half[v];
             if (sum[3] == 0 || !(face > 0)) continue;
             const glm::vec4 total = glm::vec4(float(sum[0]), float(sum[1]), float(sum[2]), float(sum[3])) *

@@ -82,7 +82,8 @@ class GridSampler {
                     corners.position[c] = polygon.vertices[corner[c]];
                     corners.color[c] = polygon.colors[one_color ? 0 : corner[c]];
                 }
-                corners.one_color = one_color || (corners.color[0] == corners.color[1] && corners.color[0] == corners.color[2]);
+                corners.one_color =
+                    one_color || (corners.color[0] == corners.color[1] && corners.color[0] == corners.color[2]);
                 add(grid, corners, out);
             }
         });
@@ -145,37 +146,39 @@ class GridSampler {
         const float depth[3] = {c.position[k[0]][a], c.position[k[1]][a], c.position[k[2]][a]};
         const float lowest = std::min(std::min(depth[0], depth[1]), depth[2]);
         const float highest = std::max(std::max(depth[0], depth[1]), depth[2]);
+        const float lower = grid.box.lower[a], upper = grid.box.upper[a];
         const float inverse_area = 1.0f / float(doubled_area);
-        bool lit = false;
-        Rgba8 below = c.color[0], above = c.color[0];  // as seen from below and from above
-        float brightness[2] = {1, 1};
+        const float by_e1 = (depth[1] - depth[0]) * inverse_area, by_e2 = (depth[2] - depth[0]) * inverse_area;
+        float brightness[2] = {1, 1};  // as seen from below and from above
+        if (light) light_sides(c, front_looks_up, brightness);
+        const bool plain = c.one_color && !light;
+        const std::size_t squares = std::size_t(grid.n) * grid.n;
         for (int sv = c.first[va]; sv <= c.last[va]; ++sv) {
             Int e0 = edge[0], e1 = edge[1], e2 = edge[2];
+            const std::size_t row = grid.index(unsigned(2 * a), 0, unsigned(sv), 0);
             for (int su = c.first[ua]; su <= c.last[ua]; ++su, e0 += by_u[0], e1 += by_u[1], e2 += by_u[2]) {
                 if ((e0 | e1 | e2) < 0) continue;
-                const float w1 = float(e1) * inverse_area, w2 = float(e2) * inverse_area, w0 = 1.0f - w1 - w2;
-                const float d = glm::clamp(w0 * depth[0] + w1 * depth[1] + w2 * depth[2], lowest, highest);
-                if (d < grid.box.lower[a] || d > grid.box.upper[a]) continue;
-                if (!lit) {
-                    lit = true;
-                    if (light) light_sides(c, front_looks_up, brightness);
-                    below = scaled(c.color[0], brightness[0]);
-                    above = scaled(c.color[0], brightness[1]);
-                }
-                if (!c.one_color) {
-                    const Rgba8 color = to_rgba8(to_vec4(c.color[k[0]]) * w0 + to_vec4(c.color[k[1]]) * w1 +
-                                                 to_vec4(c.color[k[2]]) * w2);
+                const float d = glm::clamp(depth[0] + float(e1) * by_e1 + float(e2) * by_e2, lowest, highest);
+                if (d < lower || d > upper) continue;
+                Rgba8 below = c.color[0], above = c.color[0];
+                if (!plain) {
+                    Rgba8 color = c.color[0];
+                    if (!c.one_color) {
+                        const float w1 = float(e1) * inverse_area, w2 = float(e2) * inverse_area;
+                        color = to_rgba8(to_vec4(c.color[k[0]]) * (1 - w1 - w2) + to_vec4(c.color[k[1]]) * w1 +
+                                         to_vec4(c.color[k[2]]) * w2);
+                    }
                     below = scaled(color, brightness[0]);
                     above = scaled(color, brightness[1]);
                 }
                 unsigned slab = 0;
                 if (grid.slabs > 1) {
-                    const float slabs_per_unit = float(grid.slabs) / (grid.box.upper[a] - grid.box.lower[a]);
-                    slab = unsigned(glm::clamp((d - grid.box.lower[a]) * slabs_per_unit, 0.0f, float(grid.slabs - 1)));
+                    const float slabs_per_unit = float(grid.slabs) / (upper - lower);
+                    slab = unsigned(glm::clamp((d - lower) * slabs_per_unit, 0.0f, float(grid.slabs - 1)));
                 }
-                const std::size_t at = grid.index(unsigned(2 * a), slab, unsigned(sv), unsigned(su));
+                const std::size_t at = row + slab * squares + std::size_t(su);
                 keep(at, d, below, out);
-                keep(at + grid.size() / 6, -d, above, out);
+                keep(at + grid.slabs * squares, -d, above, out);
             }
             for (int i = 0; i < 3; ++i) edge[i] += by_v[i];
         }

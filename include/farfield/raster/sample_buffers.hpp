@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -72,31 +73,44 @@ class SampleBuffers {
         far_rect_.add(x0 - first_x_, y0 - first_y_, x1 - first_x_, y1 - first_y_);
     }
 
-    /// `area` in units of the sample's own; `rgb` in [0, 1].
+    /// A sample's part of a deposit: `area` in units of the sample's own, `rgb` in [0, 1].
     template <AreaLaw law>
     void deposit(int x, int y, float q, float area, float r, float g, float b) {
-        const int column = x - first_x_;
-        std::uint64_t& word = open_[std::size_t(y - first_y_) * words_ + std::size_t(column >> 6)];
-        const std::uint64_t bit = std::uint64_t(1) << (column & 63);
-        if ((word & bit) == 0) return;
-        const std::size_t at = row(y) + std::size_t(column);
-        if (q <= depth_[at]) {
-            word &= ~bit;
-            any_closed_ = true;
-            return;
+        const std::size_t line = std::size_t(y - first_y_), column = std::size_t(x - first_x_);
+        const std::size_t at = line * std::size_t(width_) + column;
+        any_closed_ |=
+            deposit<law>(far_[at], depth_[at], open_[line * words_ + (column >> 6)],
+                         touched_[line * words_ + (column >> 6)], std::uint64_t(1) << (column & 63), q, area, r, g, b);
+    }
+
+    /// A square deposit; each sample gets its share by overlap, `share` if it is covered whole. Outside the image it is
+    /// cut off.
+    template <AreaLaw law>
+    void deposit_square(float left, float top, float right, float bottom, float q, float share, float r, float g,
+                        float b) {
+        left -= float(first_x_);
+        right -= float(first_x_);
+        top -= float(first_y_);
+        bottom -= float(first_y_);
+        if (!(left < float(width_) && right > 0 && top < float(height_) && bottom > 0)) return;
+        const int x0 = left > 0 ? int(left) : 0, x1 = right < float(width_) ? int(right) : width_ - 1;
+        const int y0 = top > 0 ? int(top) : 0, y1 = bottom < float(height_) ? int(bottom) : height_ - 1;
+        far_rect_.add(x0, y0, x1 + 1, y1 + 1);
+        bool closed = false;
+        for (int y = y0; y <= y1; ++y) {
+            const std::size_t line = std::size_t(y);
+            const float height = share * (std::min(bottom, float(y + 1)) - std::max(top, float(y)));
+            const float* depth = depth_.data() + line * std::size_t(width_);
+            FarSample* far = far_.data() + line * std::size_t(width_);
+            std::uint64_t* open = open_.data() + line * words_;
+            std::uint64_t* touched = touched_.data() + line * words_;
+            for (int x = x0; x <= x1; ++x) {
+                const float width = std::min(right, float(x + 1)) - std::max(left, float(x));
+                closed |= deposit<law>(far[x], depth[x], open[x >> 6], touched[x >> 6], std::uint64_t(1) << (x & 63), q,
+                                       width * height, r, g, b);
+            }
         }
-        FarSample& s = far_[at];
-        float left = transmitted(s.transmittance, area, law);
-        if (left < closed_transmittance) {
-            left = 0;
-            word &= ~bit;
-            any_closed_ = true;
-        }
-        const float taken = s.transmittance - left;
-        s.r += taken * r;
-        s.g += taken * g;
-        s.b += taken * b;
-        s.transmittance = left;
+        any_closed_ |= closed;
     }
 
     /// Is every sample of a rectangle (relative to the center sample, ends included) closed? True of an empty one.
@@ -130,11 +144,15 @@ class SampleBuffers {
         SampleRect drawn = near_;
         drawn.add(far_rect_);
         drawn_in_image_ = drawn;
-        if (far_rect_.is_empty() && side_ == 1) {
-            for_pixels(drawn, [&](int x, int y) { image.at(x, y) = color_[index(x, y)]; });
-        } else {
+        if (side_ != 1) {
             for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel(x, y); });
+            return;
         }
+        for (int y = drawn.y0; y < drawn.y1; ++y) {
+            const Rgba8* from = color_.data() + index(0, y);
+            std::copy(from + drawn.x0, from + drawn.x1, &image.at(drawn.x0, y));
+        }
+        for_touched([&](int x, int y) { image.at(x, y) = pixel(x, y); });
     }
 
   private:
@@ -149,14 +167,49 @@ class SampleBuffers {
         }
     }
 
+    /// True if it closed the sample.
+    template <AreaLaw law>
+    static bool deposit(FarSample& s, float depth, std::uint64_t& open, std::uint64_t& touched, std::uint64_t bit,
+                        float q, float area, float r, float g, float b) {
+        if ((open & bit) == 0) return false;
+        if (q <= depth) {
+            open &= ~bit;
+            return true;
+        }
+        touched |= bit;
+        float left = transmitted(s.transmittance, area, law);
+        const bool closes = left < closed_transmittance;
+        if (closes) {
+            left = 0;
+            open &= ~bit;
+        }
+        const float taken = s.transmittance - left;
+        s.r += taken * r;
+        s.g += taken * g;
+        s.b += taken * b;
+        s.transmittance = left;
+        return closes;
+    }
+
+    /// f(x, y) for every sample of the far field that was deposited into.
+    template <class F>
+    void for_touched(F&& f) const {
+        for (int y = far_rect_.y0; y < far_rect_.y1; ++y) {
+            for (std::size_t w = std::size_t(far_rect_.x0) >> 6; w <= std::size_t(far_rect_.x1 - 1) >> 6; ++w) {
+                for (std::uint64_t bits = touched_[std::size_t(y) * words_ + w]; bits != 0; bits &= bits - 1) {
+                    f(int(w * 64) + std::countr_zero(bits), y);
+                }
+            }
+        }
+    }
+
     Rgba8 pixel(int px, int py) const {
         glm::vec4 sum(0);
-        const bool has_far = !far_rect_.is_empty();
         for (int y = py * side_; y < (py + 1) * side_; ++y) {
             for (int x = px * side_; x < (px + 1) * side_; ++x) {
                 const Rgba8 c = color_[index(x, y)];
                 const glm::vec4 behind(float(c.r), float(c.g), float(c.b), float(c.a));
-                if (has_far) {
+                if (touched_[std::size_t(y) * words_ + std::size_t(x >> 6)] >> (x & 63) & 1) {
                     const FarSample& s = far_[index(x, y)];
                     sum += glm::vec4(s.r, s.g, s.b, 1 - s.transmittance) * 255.0f + behind * s.transmittance;
                 } else {
@@ -180,6 +233,7 @@ class SampleBuffers {
         color_.assign(count, background);
         far_.clear();
         open_.assign(words_ * std::size_t(height), ~std::uint64_t(0));
+        touched_.assign(open_.size(), 0);
         near_ = far_rect_ = {};
         drawn_in_image_ = {0, 0, width, height};
         any_closed_ = false;
@@ -191,9 +245,10 @@ class SampleBuffers {
             std::fill(depth_.begin() + from, depth_.begin() + to, -std::numeric_limits<float>::infinity());
             std::fill(color_.begin() + from, color_.begin() + to, background_);
         }
+        for_touched([&](int x, int y) { far_[index(x, y)] = {}; });
         for (int y = far_rect_.y0; y < far_rect_.y1; ++y) {
-            std::fill(far_.begin() + std::ptrdiff_t(index(far_rect_.x0, y)),
-                      far_.begin() + std::ptrdiff_t(index(far_rect_.x1, y)), FarSample{});
+            const auto words = touched_.begin() + std::ptrdiff_t(std::size_t(y) * words_);
+            std::fill(words + (far_rect_.x0 >> 6), words + ((far_rect_.x1 - 1) >> 6) + 1, std::uint64_t(0));
         }
         if (any_closed_) std::fill(open_.begin(), open_.end(), ~std::uint64_t(0));
         near_ = far_rect_ = {};
@@ -207,7 +262,8 @@ class SampleBuffers {
     std::vector<float> depth_;
     std::vector<Rgba8> color_;  ///< opaque, or the background
     std::vector<FarSample> far_;
-    std::vector<std::uint64_t> open_;  ///< one bit a sample, rows padded to words
+    std::vector<std::uint64_t> open_;     ///< one bit a sample, rows padded to words
+    std::vector<std::uint64_t> touched_;  ///< likewise: deposited into since begin()
     bool any_closed_ = false;
     SampleRect near_, far_rect_, drawn_in_image_;  ///< relative to the upper left sample
 };

@@ -90,6 +90,10 @@ void scan_box(const SnappedTriangle& t, int x0, int y0, int x1, int y1, Row&& ro
     const Edge<Int> e0(t.x[0], t.y[0], t.x[1], t.y[1], x0, y0), e1(t.x[1], t.y[1], t.x[2], t.y[2], x0, y0),
         e2(t.x[2], t.y[2], t.x[0], t.y[0], x0, y0);
     Int v0 = e0.value, v1 = e1.value, v2 = e2.value;
+    if (x0 == x1 && y0 == y1) {  // the commonest box far away
+        if ((v0 | v1 | v2) >= 0) row(y0, x0, x0 + 1);
+        return;
+    }
     const int width = x1 - x0 + 1;
     for (int y = y0; y <= y1; ++y, v0 += e0.by_y, v1 += e1.by_y, v2 += e2.by_y) {
         if (width <= 8) {

@@ -17,7 +17,7 @@ namespace farfield {
 struct TriagedBlock {
     float x[3][TriangleBlock::lanes];
     float y[3][TriangleBlock::lanes];
-    float depth[3][TriangleBlock::lanes];
+    float q[3][TriangleBlock::lanes];
 };
 
 /// One bit a lane.

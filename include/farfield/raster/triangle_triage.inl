@@ -56,13 +56,15 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to
                 const Floats inverse = 1.0f / depth;
                 x[c] *= inverse;
                 y[c] *= inverse;
+                store(out.q[c] + first, inverse * to.q_of_inverse);
+            } else {
+                store(out.q[c] + first, depth * to.q_of_depth);
             }
             x[c] += to.offset_x;
             y[c] += to.offset_y;
             behind[c] = (Ints)(depth < to.near_depth);
             store(out.x[c] + first, x[c]);
             store(out.y[c] + first, y[c]);
-            store(out.depth[c] + first, depth);
         }
         // Rounding keeps order: the box is snapped, its corners where it matters.
         const Floats low_x = lower(lower(x[0], x[1]), x[2]), high_x = upper(upper(x[0], x[1]), x[2]);

@@ -158,10 +158,9 @@ class ZBufferRenderer {
                 } else {
                     SnappedTriangle t;
                     for (unsigned c = 0; c < 3; ++c) {
-                        const float depth = triaged.depth[c][lane];
                         t.x[c] = snapped_to_256th(triaged.x[c][lane]);
                         t.y[c] = snapped_to_256th(triaged.y[c][lane]);
-                        t.q[c] = to_.q(depth, to_.inverse_w(depth));
+                        t.q[c] = triaged.q[c][lane];
                     }
                     const Rgba8* colors = stream.colors(triangle);
                     Rgba8 corners[3] = {colors[0], colors[0], colors[0]};
@@ -348,25 +347,9 @@ class ZBufferRenderer {
         const float footprint = splat.footprint * samples_per_area;
         const float half = 0.5f * std::sqrt(footprint);
         const float share = splat.area / splat.footprint;  // deposited where it covers a whole sample
-        const float left = x - half, right = x + half, top = y - half, bottom = y + half;
-        if (!(left < float(to_.end_x) && right > float(to_.first_x) && top < float(to_.end_y) &&
-              bottom > float(to_.first_y))) {
-            return;
-        }
-        const int x0 = std::max(int(std::floor(left)), to_.first_x),
-                  x1 = std::min(int(std::floor(right)), to_.end_x - 1);
-        const int y0 = std::max(int(std::floor(top)), to_.first_y),
-                  y1 = std::min(int(std::floor(bottom)), to_.end_y - 1);
-        const float r = float(splat.rgb.r) * (1 / 255.0f), g = float(splat.rgb.g) * (1 / 255.0f),
-                    b = float(splat.rgb.b) * (1 / 255.0f);
-        buffers_.far_drawn(x0, y0, x1 + 1, y1 + 1);
-        for (int sy = y0; sy <= y1; ++sy) {
-            const float height = std::min(bottom, float(sy + 1)) - std::max(top, float(sy));
-            for (int sx = x0; sx <= x1; ++sx) {
-                const float width = std::min(right, float(sx + 1)) - std::max(left, float(sx));
-                buffers_.deposit<law>(sx, sy, q, share * width * height, r, g, b);
-            }
-        }
+        const float byte = 1 / 255.0f;
+        buffers_.deposit_square<law>(x - half, y - half, x + half, y + half, q, share, float(splat.rgb.r) * byte,
+                                     float(splat.rgb.g) * byte, float(splat.rgb.b) * byte);
     }
 
     ZBufferOptions options_;

@@ -2,7 +2,7 @@
 // from run to run, and the same hierarchy would not give the same file.
 //
 // An aggregate tells its number of fields by how many initializers it takes, and a structured binding names them:
-// Antony Polukhin's Boost.PFR. Base classes, C arrays, pointers and private members are not looked into.
+// Antony Polukhin's Boost.PFR. Base classes, C arrays and private members do not compile; pointers are told.
 #pragma once
 
 #include <array>
@@ -28,7 +28,9 @@ struct AnyField {
 
 template <class T, std::size_t... I>
 constexpr bool takes_fields(std::index_sequence<I...>) {
-    return requires { T{(void(I), AnyField{})...}; };
+    return requires {
+        T{(void(I), AnyField{})...};
+    };
 }
 template <class T, std::size_t n = most_fields + 1>
 constexpr std::size_t field_count() {
@@ -43,10 +45,11 @@ constexpr std::size_t field_count() {
 template <class T>
 constexpr auto fields_of(T& v) {
     constexpr std::size_t n = field_count<std::remove_const_t<T>>();
-    static_assert(n > 0 && n <= most_fields, "farfield: to be stored in files, an aggregate may have 12 fields at most");
-#define FARFIELD_FIELDS(count, ...)  \
-    if constexpr (n == count) {      \
-        auto& [__VA_ARGS__] = v;     \
+    static_assert(n > 0 && n <= most_fields,
+                  "farfield: to be stored in files, an aggregate may have 12 fields at most");
+#define FARFIELD_FIELDS(count, ...)   \
+    if constexpr (n == count) {       \
+        auto& [__VA_ARGS__] = v;      \
         return std::tie(__VA_ARGS__); \
     } else
     FARFIELD_FIELDS(1, a)
@@ -67,7 +70,7 @@ constexpr auto fields_of(T& v) {
 
 /// long double has padding of its own.
 template <class T>
-concept Number = (std::is_arithmetic_v<T> || std::is_enum_v<T>) && !std::is_same_v<T, long double>;
+concept Number = (std::is_arithmetic_v<T> || std::is_enum_v<T>)&&!std::is_same_v<T, long double>;
 template <class T>
 concept GlmVector = requires(T& v) {
     typename T::value_type;
@@ -113,10 +116,12 @@ constexpr std::size_t bytes_of_numbers() {
 }
 
 template <class T>
-concept MadeOfNumbers = bytes_of_numbers<T>() != not_numbers;
+concept MadeOfNumbers = bytes_of_numbers<T>()
+!= not_numbers;
 /// May lie in a file as it lies in memory.
 template <class T>
-concept WithoutPadding = std::is_empty_v<T> || bytes_of_numbers<T>() == sizeof(T);
+concept WithoutPadding = std::is_empty_v<T> || bytes_of_numbers<T>()
+== sizeof(T);
 
 /// Calls f(number) for each, in the order of declaration.
 template <MadeOfNumbers T, class F>
@@ -136,10 +141,11 @@ void for_each_number(T& v, F&& f) {
 
 template <MadeOfNumbers T>
 std::vector<std::byte> bytes_of(const T& v) {
-    std::vector<std::byte> bytes;
+    std::vector<std::byte> bytes(bytes_of_numbers<T>());
+    std::size_t at = 0;
     for_each_number(v, [&](const auto& number) {
-        const auto* p = reinterpret_cast<const std::byte*>(&number);
-        bytes.insert(bytes.end(), p, p + sizeof number);
+        std::memcpy(bytes.data() + at, &number, sizeof number);
+        at += sizeof number;
     });
     return bytes;
 }

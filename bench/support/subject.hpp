@@ -1,0 +1,70 @@
+// A scene with its reference and the views of the papers' tables, built once for all benchmarks of a program.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/exact.hpp"
+#include "farfield/cost/triangle_count.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/viewer.hpp"
+#include "scenes/catalog.hpp"
+#include "scenes/scene.hpp"
+
+namespace farfield::bench {
+
+using Primitive = VertexColoredTriangle;
+using ExactHierarchy = SpatialHierarchy<Octree, Exact, TriangleCount>;
+using CubeHierarchy = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
+
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+template <class F>
+double seconds(F&& f) {
+    const auto start = std::chrono::steady_clock::now();
+    f();
+    return seconds_since(start);
+}
+
+inline double median(std::vector<double> v) {
+    std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
+    return v[v.size() / 2];
+}
+
+/// One scene under one kind of hierarchy, in the hierarchy's order.
+template <class H>
+struct Built {
+    std::vector<Primitive> primitives;
+    H hierarchy;
+    double build_seconds = 0;
+
+    explicit Built(std::vector<Primitive> p) : primitives(std::move(p)) {
+        build_seconds = seconds([&] { hierarchy = H::build_in_place(std::span<Primitive>(primitives)); });
+    }
+    double bytes_per_triangle() const { return double(hierarchy.bytes()) / double(primitives.size()); }
+};
+
+inline std::vector<Primitive> triangles_of(const std::string& scene) {
+    scenes::Scene s = scenes::make(scene);
+    if (!s.groups.back().placements.empty()) s = scenes::expanded(s);
+    return std::move(s.groups.back().triangles);
+}
+
+/// Chamberlain 1996, Table 2: the view from `distance` radii, `angle_degrees` off axis; a radius is half of the largest
+/// side of the bounds.
+inline View table_view(const Box& bounds, double distance, double angle_degrees, int size) {
+    const double angle = angle_degrees * 3.14159265358979 / 180, radius = bounds.largest_side() / 2;
+    const glm::dvec3 center(bounds.center());
+    const glm::dvec3 eye = center + glm::dvec3(std::sin(angle), 0, std::cos(angle)) * (radius * distance);
+    return {.camera = Camera::perspective(eye, center, {0, 1, 0}, 1.04719755f), .width = size, .height = size};
+}
+
+}  // namespace farfield::bench

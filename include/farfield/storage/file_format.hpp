@@ -1,0 +1,158 @@
+// What lies where in a hierarchy's file, and what policies must answer to be stored.
+//
+// Version 1. Numbers are in the byte order of the machine that wrote them, of which `byte_order` tells; a machine of
+// the other order refuses the file.
+//
+//     0    FileHeader, 512 bytes
+//     512  sections, each at the next multiple of 64 bytes; bytes between them are 0; nothing follows the last
+//
+//     section                 records                               bytes a record
+//     partition_options       1, or 0 if the policy is empty        its numbers (storage/fields.hpp), no padding
+//     approximation_options   likewise
+//     cost_options            likewise
+//     nodes                   at least 1, the root first            16
+//     node_data               as many as nodes, or 0 if empty       sizeof Partition::node_data
+//     stand_ins               of nodes that have one, in order      sizeof Approximation::cell_data
+//     pool                    any number                            sizeof Approximation::pool_element
+//     order                   as many as items, or 0 if positions   4
+//                             are indices (build_in_place)
+//
+// Records lie in the file as they do in memory: a mapped file is a hierarchy, nothing is parsed or copied. Primitives
+// are not in it.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <type_traits>
+
+#include "farfield/spatial_hierarchy.hpp"
+#include "farfield/storage/fields.hpp"
+
+namespace farfield {
+
+/// Records of nodes hold numbers alone. Where they are not empty, is_sound says whether place, child and front_to_back
+/// may be called with one, so that a file made by a stranger cannot make them read elsewhere.
+template <class P>
+concept StorablePartition = Partition<P> && std::default_initializable<P> && P::facts.file_tag != 0 &&
+                            detail::MadeOfNumbers<P>&& detail::WithoutPadding<typename P::node_data> &&
+                            (std::is_empty_v<typename P::node_data> ||
+                             requires(const P& p, const typename P::node_data& data) {
+                                 { p.is_sound(data) } -> std::same_as<bool>;
+                             });
+
+/// Likewise. Where there is a pool, is_sound says whether all that a stand-in refers to lies within it.
+template <class A>
+concept StorableApproximation = Approximation<A> && std::default_initializable<A> && A::facts.file_tag != 0 &&
+                                detail::MadeOfNumbers<A>&& detail::WithoutPadding<typename A::cell_data>&&
+                                    detail::WithoutPadding<typename A::pool_element> &&
+                                (!A::facts.has_pool || requires(const A& a, const typename A::cell_data& data,
+                                                                std::span<const typename A::pool_element> pool) {
+                                    { a.is_sound(data, pool) } -> std::same_as<bool>;
+                                });
+
+template <class C>
+concept StorableCostModel =
+    CostModel<C> && std::default_initializable<C> && C::file_tag != 0 && detail::MadeOfNumbers<C>;
+
+/// A SpatialHierarchy that save() and open() take.
+template <class H>
+concept Storable = StorablePartition<typename H::partition_type> &&
+    StorableApproximation<typename H::approximation_type> && StorableCostModel<typename H::cost_model_type>;
+
+/// Deeper hierarchies are neither saved nor opened: a frame descends by recursion, and a file must not decide how much
+/// of the stack that takes. Octrees end before 300, where single precision does.
+inline constexpr std::size_t most_levels_in_files = 1024;
+
+namespace detail {
+
+/// The first byte is no text, the line ends are damaged by whatever damages line ends (after PNG's signature).
+inline constexpr std::array<std::uint8_t, 8> file_magic{0x89, 'F', 'F', 'H', '\r', '\n', 0x1a, '\n'};
+inline constexpr std::uint32_t file_version = 1;
+inline constexpr std::uint32_t file_byte_order = 0x01020304u;
+inline constexpr std::uint64_t section_alignment = 64;
+
+enum class Section : std::uint8_t {
+    partition_options,
+    approximation_options,
+    cost_options,
+    nodes,
+    node_data,
+    stand_ins,
+    pool,
+    order
+};
+inline constexpr std::size_t section_count = 8;
+inline constexpr std::array<const char*, section_count> section_names{"partition options",
+                                                                      "approximation options",
+                                                                      "cost model options",
+                                                                      "nodes",
+                                                                      "node data",
+                                                                      "stand-ins",
+                                                                      "pool",
+                                                                      "order"};
+
+struct SectionEntry {
+    std::uint64_t offset = 0;  ///< from the start of the file
+    std::uint64_t count = 0;
+    std::uint64_t record_bytes = 0;
+    std::uint64_t checksum = 0;  ///< XXH64 of its bytes
+
+    std::uint64_t bytes() const { return count * record_bytes; }
+};
+
+/// All of HierarchyParts that is no array.
+struct StoredFacts {
+    glm::dvec3 origin{0};
+    std::uint64_t primitive_count = 0;
+    std::uint64_t fingerprint = 0;
+    BuildReport report;
+    Box bounds = Box::empty();
+    Cell root;
+    Work work;
+    std::uint32_t root_has_stand_in = 0;
+    std::uint32_t spare = 0;
+};
+
+struct FileHeader {
+    std::array<std::uint8_t, 8> magic = file_magic;
+    std::uint32_t version = file_version;
+    std::uint32_t byte_order = file_byte_order;
+    std::uint32_t header_bytes = 512;
+    std::uint32_t partition_tag = 0;
+    std::uint32_t approximation_tag = 0;
+    std::uint32_t cost_tag = 0;
+    std::uint64_t file_bytes = 0;
+    std::array<SectionEntry, section_count> sections{};
+    StoredFacts facts;
+    std::uint64_t checksum = 0;  ///< XXH64 of what comes before it
+};
+
+// A change of any of these is a new file_version.
+static_assert(sizeof(glm::vec3) == 12 && sizeof(glm::dvec3) == 24);
+static_assert(sizeof(Node) == 16 && sizeof(Cell) == 52 && sizeof(Work) == 28 && sizeof(BuildReport) == 56);
+static_assert(sizeof(FileHeader) == 512 && offsetof(FileHeader, checksum) == 504);
+static_assert(WithoutPadding<SectionEntry> && WithoutPadding<StoredFacts> && WithoutPadding<FileHeader>);
+
+constexpr std::uint64_t next_section(std::uint64_t offset) {
+    return (offset + section_alignment - 1) / section_alignment * section_alignment;
+}
+
+/// Of H's records; what files must agree with.
+template <class H>
+constexpr std::array<std::uint64_t, section_count> record_bytes() {
+    return {bytes_of_numbers<typename H::partition_type>(),
+            bytes_of_numbers<typename H::approximation_type>(),
+            bytes_of_numbers<typename H::cost_model_type>(),
+            sizeof(Node),
+            stored_size<typename H::node_data>,
+            stored_size<typename H::cell_data>,
+            stored_size<typename H::pool_element>,
+            sizeof(std::uint32_t)};
+}
+
+}  // namespace detail
+}  // namespace farfield

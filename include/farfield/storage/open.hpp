@@ -1,0 +1,178 @@
+// A hierarchy from a file, used where it lies: nothing is parsed or copied, pages come in as frames touch them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "farfield/storage/checksum.hpp"
+#include "farfield/storage/file_format.hpp"
+#include "farfield/storage/mapped_file.hpp"
+#include "farfield/storage/soundness.hpp"
+
+namespace farfield {
+
+struct OpenOptions {
+    /// Of the sections, which reads the whole file once. The header's is always verified, and so is the structure: a
+    /// damaged file that slips through may give a wrong picture and no more.
+    bool verify_checksums = true;
+};
+
+namespace detail {
+
+inline std::string tag_name(std::uint32_t tag) {
+    std::string name = "0x";
+    for (int shift = 28; shift >= 0; shift -= 4) name += "0123456789abcdef"[tag >> shift & 15];
+    const char a = char(tag >> 24), b = char(tag >> 16 & 255);
+    const auto is_letter = [](char c) { return c >= 'A' && c <= 'Z'; };
+    if (is_letter(a) && is_letter(b)) name += std::string(" (") + a + b + ")";
+    return name;
+}
+
+inline std::string wrong_tag(const char* policy, std::uint32_t expected, std::uint32_t found) {
+    return std::string("was saved with another ") + policy + ": expected " + tag_name(expected) + ", found " +
+           tag_name(found);
+}
+
+/// Empty if a header of this version lies in front.
+inline std::string wrong_header(std::span<const std::byte> bytes, FileHeader& header) {
+    if (bytes.empty()) return "is empty";
+    const std::size_t compared = std::min(bytes.size(), file_magic.size());
+    if (std::memcmp(bytes.data(), file_magic.data(), compared) != 0) return "is no hierarchy of farfield's";
+    std::memcpy(&header, bytes.data(), std::min(bytes.size(), sizeof header));
+    if (bytes.size() >= 16) {
+        if (header.byte_order == 0x04030201u) return "was saved on a machine of the other byte order";
+        if (header.byte_order != file_byte_order) return "is damaged: its byte order is none";
+        if (header.version != file_version) {
+            return "has format version " + std::to_string(header.version) + ", this program reads version " +
+                   std::to_string(file_version);
+        }
+    }
+    if (bytes.size() < sizeof header) {
+        return "is truncated: it has " + std::to_string(bytes.size()) + " bytes, its header has " +
+               std::to_string(sizeof header);
+    }
+    if (header.checksum != Xxh64::of(bytes.first(offsetof(FileHeader, checksum)))) {
+        return "is damaged: the checksum of its header is wrong";
+    }
+    return header.header_bytes == sizeof header ? "" : "is damaged: its header has another size";
+}
+
+/// Empty if the sections lie in the file as save() lays them.
+inline std::string wrong_sections(std::span<const std::byte> bytes, const FileHeader& header,
+                                  const std::array<std::uint64_t, section_count>& record_bytes, bool verify) {
+    if (header.file_bytes != bytes.size()) {
+        return std::string(header.file_bytes > bytes.size() ? "is truncated" : "is too long") + ": it has " +
+               std::to_string(bytes.size()) + " bytes and should have " + std::to_string(header.file_bytes);
+    }
+    std::uint64_t end = sizeof header;
+    for (std::size_t i = 0; i < section_count; ++i) {
+        const SectionEntry& s = header.sections[i];
+        const std::string name = std::string("section '") + section_names[i] + "'";
+        const auto damaged = [&](const char* why) { return "is damaged: " + name + why; };
+        if (s.record_bytes != record_bytes[i]) {
+            return "was saved with other records: " + name + " has " + std::to_string(s.record_bytes) +
+                   " bytes a record, expected " + std::to_string(record_bytes[i]);
+        }
+        if (s.offset != next_section(end)) return damaged(" lies in the wrong place");
+        if (s.record_bytes == 0 && s.count != 0) return damaged(" should take no space");
+        if (i <= std::size_t(Section::cost_options) && s.count != (record_bytes[i] != 0 ? 1 : 0)) {
+            return damaged(" is there more or less than once");
+        }
+        if (s.count == 0) {
+            if (s.checksum != Xxh64::of({})) return damaged(" is empty and its checksum is not");
+            continue;
+        }
+        if (s.offset > bytes.size() || s.count > (bytes.size() - s.offset) / s.record_bytes) {
+            return damaged(" reaches beyond the end");
+        }
+        const auto between = bytes.subspan(std::size_t(end), std::size_t(s.offset - end));
+        if (std::any_of(between.begin(), between.end(), [](std::byte b) { return b != std::byte(0); })) {
+            return damaged(" has something else before it");
+        }
+        if (verify && s.checksum != Xxh64::of(bytes.subspan(std::size_t(s.offset), std::size_t(s.bytes())))) {
+            return damaged(" does not have the checksum it was saved with");
+        }
+        end = s.offset + s.bytes();
+    }
+    return end == bytes.size() ? "" : "is damaged: something follows its last section";
+}
+
+template <class T>
+std::span<const T> records_in(std::span<const std::byte> bytes, const SectionEntry& s) {
+    static_assert(alignof(T) <= section_alignment && std::is_trivially_copyable_v<T>);
+    if (s.count == 0) return {};
+    return {reinterpret_cast<const T*>(bytes.data() + s.offset), std::size_t(s.count)};
+}
+
+}  // namespace detail
+
+/// H is the SpatialHierarchy that was saved; its policies' options come from the file. Copies of the result share the
+/// mapping, which goes with the last of them; save() may replace the file meanwhile, but do not change it in place or
+/// cut it short. Viewers check that they are given the primitives it was built from.
+///
+/// Throws std::runtime_error, "farfield::open: FILE: reason", for whatever is wrong with the file: everything is
+/// checked, so that no file whatever makes a frame read outside of its arrays.
+template <Storable H>
+H open(const std::filesystem::path& path, const OpenOptions& options = {}) {
+    using namespace detail;
+    using P = typename H::partition_type;
+    using A = typename H::approximation_type;
+    using C = typename H::cost_model_type;
+    FileBytes file = file_bytes(path);
+    FileHeader header;
+    const auto refuse_if = [&](const std::string& why) {
+        if (!why.empty()) refuse_file("open", path, why);
+    };
+    refuse_if(wrong_header(file.bytes, header));
+    const auto refuse_tag_if = [&](const char* policy, std::uint32_t expected, std::uint32_t found) {
+        if (expected != found) refuse_file("open", path, wrong_tag(policy, expected, found));
+    };
+    refuse_tag_if("partition", P::facts.file_tag, header.partition_tag);
+    refuse_tag_if("approximation", A::facts.file_tag, header.approximation_tag);
+    refuse_tag_if("cost model", C::file_tag, header.cost_tag);
+    refuse_if(wrong_sections(file.bytes, header, record_bytes<H>(), options.verify_checksums));
+
+    const auto section = [&](Section s) -> const SectionEntry& { return header.sections[std::size_t(s)]; };
+    P partition{};
+    A approximation{};
+    C cost{};
+    const auto read = [&](Section s, auto& policy) {
+        const SectionEntry& entry = section(s);
+        return read_numbers(
+            file.bytes.subspan(std::size_t(entry.count != 0 ? entry.offset : 0), std::size_t(entry.bytes())), policy);
+    };
+    if (!read(Section::partition_options, partition) || !read(Section::approximation_options, approximation) ||
+        !read(Section::cost_options, cost)) {
+        refuse_file("open", path, "is damaged: an option is neither true nor false");
+    }
+    typename H::MappedArrays arrays{records_in<Node>(file.bytes, section(Section::nodes)),
+                                    records_in<typename H::node_data>(file.bytes, section(Section::node_data)),
+                                    records_in<typename H::cell_data>(file.bytes, section(Section::stand_ins)),
+                                    records_in<typename H::pool_element>(file.bytes, section(Section::pool)),
+                                    records_in<std::uint32_t>(file.bytes, section(Section::order)),
+                                    std::move(file.memory)};
+    if (const char* why = unsound<H>(partition, approximation, header.facts, arrays)) {
+        refuse_file("open", path, std::string("is damaged: ") + why);
+    }
+    HierarchyParts<P, A> facts{};
+    facts.root_has_stand_in = header.facts.root_has_stand_in != 0;
+    facts.bounds = header.facts.bounds;
+    facts.root = header.facts.root;
+    facts.origin = header.facts.origin;
+    facts.work = header.facts.work;
+    facts.primitive_count = header.facts.primitive_count;
+    facts.fingerprint = header.facts.fingerprint;
+    facts.report = header.facts.report;
+    return H(partition, approximation, cost, facts, std::move(arrays));
+}
+
+}  // namespace farfield

@@ -1,0 +1,78 @@
+// Files that a test writes, and loads that must end well: with a scene that makes sense or with a message.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "catch.hpp"
+#include "scenes/load.hpp"
+
+namespace farfield::scenes::test {
+
+/// A directory of its own, removed with all that is in it.
+class TemporaryDirectory {
+  public:
+    TemporaryDirectory() {
+        std::random_device device;  // of a name only
+        path_ = std::filesystem::temp_directory_path() /
+                ("farfield-scenes-" + std::to_string(device()) + std::to_string(device()));
+        std::filesystem::create_directories(path_);
+    }
+    ~TemporaryDirectory() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    TemporaryDirectory(const TemporaryDirectory&) = delete;
+    TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+
+    std::filesystem::path write(const std::string& name, std::string_view content) const {
+        std::ofstream(path_ / name, std::ios::binary)
+            .write(content.data(), static_cast<std::streamsize>(content.size()));
+        return path_ / name;
+    }
+
+  private:
+    std::filesystem::path path_;
+};
+
+inline std::string content_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Colors as in the file.
+inline LoadOptions unlit() {
+    LoadOptions options;
+    options.bake_light = false;
+    return options;
+}
+
+/// Empty if the file loads, into finite triangles; else the message, which must name the file in one line.
+inline std::string outcome(const std::filesystem::path& file) {
+    try {
+        const Scene scene = load(file);
+        REQUIRE(scene.groups.size() == 1);
+        CHECK(triangle_count(scene) > 0);
+        for (const VertexColoredTriangle& t : scene.groups[0].triangles) {
+            if (!t.bounds().is_finite()) FAIL(file.string() << ": a triangle that is not finite");
+        }
+        return {};
+    } catch (const std::runtime_error& error) {
+        const std::string message = error.what();
+        CHECK(message.find(file.string() + ": ") == 0);
+        CHECK(message.find('\n') == std::string::npos);
+        CHECK(message.size() > file.string().size() + 5);
+        return message;
+    }
+}
+
+}  // namespace farfield::scenes::test

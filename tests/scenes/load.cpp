@@ -1,0 +1,211 @@
+// Files of others: what each must give is written in the README beside them.
+#include "scenes/load.hpp"
+
+#include "files.hpp"
+
+using namespace farfield;
+using namespace farfield::scenes;
+using namespace farfield::scenes::test;
+
+namespace {
+
+/// Empty, with a message, where there are no such files.
+std::filesystem::path shared_data() {
+    const std::filesystem::path folder = FARFIELD_SHARED_DATA;
+    if (std::filesystem::is_directory(folder)) return folder;
+    WARN("skipped: there is no " << folder.string());
+    return {};
+}
+
+struct Expected {
+    const char* file;
+    std::uint64_t triangles;
+};
+
+}  // namespace
+
+TEST_CASE("meshes of others have the triangles that their list says", "[scenes][load]") {
+    const std::filesystem::path folder = shared_data();
+    if (folder.empty()) return;
+    const auto expected = GENERATE(
+        // Two nodes of Mountains share one mesh, and some of 2CylinderEngine's do: more than the list's meshes.
+        values<Expected>({{"meshes/bun_zipper.ply", 69451},
+                          {"meshes/bun_zipper_res4.ply", 948},
+                          {"meshes/colored_airplane.ply", 10796},
+                          {"meshes/dragon_vrip_res3.ply", 47794},
+                          {"meshes/happy-buddha-100k.obj", 100000},
+                          {"meshes/pirate.obj", 5010},
+                          {"meshes/snowden-bust-lo-derived.obj", 37629},
+                          {"meshes/spot.obj", 5856},
+                          {"off/abstr.off", 68},
+                          {"off/assimp-Cube.off", 12},
+                          {"off/ballA.off", 3796},
+                          {"off/cgal-bgl-full.off", 4},
+                          {"off/cgal-dino.off", 7828},
+                          {"off/cgal-mesh_with_colors.off", 6},
+                          {"off/cone.off", 40},
+                          {"off/cube.off", 12},
+                          {"off/dodec.off", 36},
+                          {"off/dodec2.off", 36},
+                          {"off/facecube.off", 12},
+                          {"off/hypercube.off", 24},
+                          {"off/mushroom.off", 448},
+                          {"off/pmp-fandisk_quads.off", 1528},
+                          {"off/tref.off", 640},
+                          {"off/vertcube.off", 12},
+                          {"architecture/geomview-office.oogl", 7219},
+                          {"architecture/house.glb", 10497},
+                          {"architecture/quake-e1m1-derived.obj", 14515},
+                          {"vegetation/PalmTree.gltf", 10124},
+                          {"vegetation/grass-trees.glb", 380},
+                          {"vegetation/low-poly-tree.glb", 1126},
+                          {"terrain/Mountains.gltf", 2 * 12800},
+                          {"gltf/2CylinderEngine.glb", 121496},
+                          {"gltf/BoxVertexColors.glb", 12},
+                          {"gltf/Duck.glb", 4212},
+                          {"gltf/VertexColorTest/VertexColorTest.gltf", 36},
+                          {"gltf/many-cubes.gltf", 6012}}));
+    CAPTURE(expected.file);
+    CHECK(outcome(folder / expected.file).empty());
+    CHECK(triangle_count(load(folder / expected.file)) == expected.triangles);
+}
+
+TEST_CASE("molecules and particles of others have the atoms that their list says", "[scenes][load]") {
+    const std::filesystem::path folder = shared_data();
+    if (folder.empty()) return;
+    // 1LCD: the first of three models.
+    const auto expected = GENERATE(values<Expected>({{"molecules/1A8O.pdb", 644},
+                                                     {"molecules/1LCD.pdb", 1137},
+                                                     {"molecules/2XHE.pdb", 6315},
+                                                     {"molecules/3sn6.pdb", 10274},
+                                                     {"molecules/7pbl.pdb", 31396},
+                                                     {"molecules/il2.pdb", 2084},
+                                                     {"points/M_protein.xyz", 1561},
+                                                     {"points/lammps-albite_triclinic.dump", 17},
+                                                     {"points/lammps-thylakoid.data", 4001}}));
+    CAPTURE(expected.file);
+    LoadOptions options;
+    options.sphere_triangle_budget = 0;
+    CHECK(triangle_count(load(folder / expected.file, options)) == 20 * expected.triangles);
+}
+
+TEST_CASE("colors of others' files arrive", "[scenes][load]") {
+    const std::filesystem::path folder = shared_data();
+    if (folder.empty()) return;
+    const auto colors = [&](const char* file) {
+        std::vector<std::uint32_t> seen;
+        const Scene scene = load(folder / file, unlit());
+        for (const VertexColoredTriangle& t : scene.groups[0].triangles) {
+            for (const Rgba8 c : t.rgba) seen.push_back(c.r | static_cast<std::uint32_t>(c.g << 8 | c.b << 16));
+        }
+        std::sort(seen.begin(), seen.end());
+        return std::unique(seen.begin(), seen.end()) - seen.begin();
+    };
+    CHECK(colors("off/cgal-bgl-full.off") == 4);
+    CHECK(colors("off/facecube.off") == 6);
+    CHECK(colors("off/vertcube.off") == 8);
+    CHECK(colors("meshes/colored_airplane.ply") > 100);
+    CHECK(colors("gltf/BoxVertexColors.glb") > 3);
+    CHECK(colors("gltf/Duck.glb") > 20);
+    CHECK(colors("vegetation/grass-trees.glb") >= 3);
+    CHECK(colors("vegetation/PalmTree.gltf") >= 2);
+    CHECK(colors("meshes/bun_zipper_res4.ply") == 1);
+}
+
+TEST_CASE("malformed files give a scene that makes sense or a message", "[scenes][load]") {
+    const std::filesystem::path folder = shared_data();
+    if (folder.empty()) return;
+    std::vector<std::string> loaded;
+    std::size_t refused = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "malformed")) {
+        if (outcome(entry.path()).empty()) {
+            loaded.push_back(entry.path().filename().string());
+        } else {
+            ++refused;
+        }
+    }
+    std::sort(loaded.begin(), loaded.end());
+    CHECK(loaded == std::vector<std::string>{"biopython__disordered.pdb", "draco__deg_faces.obj", "pymol__odd01.pdb",
+                                             "trimesh__negative_indices.obj"});
+    CHECK(refused >= 15);
+}
+
+TEST_CASE("files cut short give a scene that makes sense or a message", "[scenes][load]") {
+    const std::filesystem::path folder = shared_data();
+    if (folder.empty()) return;
+    const std::string file =
+        GENERATE(as<std::string>{}, "meshes/bun_zipper_res4.ply", "meshes/colored_airplane.ply", "meshes/spot.obj",
+                 "meshes/pirate.obj", "off/mushroom.off", "off/cgal-bgl-full.off", "off/vertcube.off",
+                 "off/hypercube.off", "gltf/BoxVertexColors.glb", "gltf/Duck.glb", "vegetation/grass-trees.glb",
+                 "gltf/VertexColorTest/VertexColorTest.gltf", "molecules/1A8O.pdb", "points/M_protein.xyz",
+                 "points/lammps-albite_triclinic.dump", "points/lammps-thylakoid.data");
+    CAPTURE(file);
+    const std::string whole = content_of(folder / file);
+    REQUIRE(whole.size() > 100);
+    const TemporaryDirectory directory;
+    const std::string name = std::filesystem::path(file).filename().string();
+    std::size_t refused = 0;
+    // Near both ends every byte counts; in between, a few cuts.
+    std::vector<std::size_t> lengths;
+    for (std::size_t i = 0; i < 24; ++i) {
+        lengths.push_back(i);
+        lengths.push_back(whole.size() * i / 24);
+        lengths.push_back(whole.size() - 1 - i);
+    }
+    for (const std::size_t length : lengths) {
+        CAPTURE(length);
+        refused += !outcome(directory.write(name, std::string_view(whole).substr(0, length))).empty();
+    }
+    CHECK(refused > 0);
+}
+
+TEST_CASE("files with bytes changed give a scene that makes sense or a message", "[scenes][load]") {
+    const std::filesystem::path folder = shared_data();
+    if (folder.empty()) return;
+    const std::string file =
+        GENERATE(as<std::string>{}, "meshes/bun_zipper_res4.ply", "meshes/colored_airplane.ply", "off/vertcube.off",
+                 "off/cgal-mesh_with_colors.off", "gltf/BoxVertexColors.glb", "vegetation/grass-trees.glb",
+                 "points/lammps-albite_triclinic.dump", "malformed/trimesh__negative_indices.obj");
+    CAPTURE(file);
+    const std::string whole = content_of(folder / file);
+    const TemporaryDirectory directory;
+    const std::string name = std::filesystem::path(file).filename().string();
+    std::mt19937 random(20260);  // the engine, unlike distributions, is the same everywhere
+    for (int round = 0; round < 60; ++round) {
+        CAPTURE(round);
+        std::string changed = whole;
+        // Headers are where it hurts.
+        const std::size_t reach = round % 2 == 0 ? std::min<std::size_t>(whole.size(), 600) : whole.size();
+        for (int i = 0; i < 3; ++i) {
+            changed[random() % reach] =
+                round % 3 == 0 ? static_cast<char>(random() % 256) : "0123456789-.eE \n"[random() % 16];
+        }
+        outcome(directory.write(name, changed));
+    }
+}
+
+TEST_CASE("what is no readable file of a known kind is refused", "[scenes][load]") {
+    const TemporaryDirectory directory;
+    const auto contains = [](const std::string& text, const char* part) {
+        return text.find(part) != std::string::npos;
+    };
+    CHECK(contains(outcome(directory.path() / "missing.off"), "no such file"));
+    CHECK(contains(outcome(directory.path() / "missing.glb"), "no such file"));
+    CHECK(contains(outcome(directory.write("scene.docx", "x")), "unknown extension '.docx'"));
+    CHECK(contains(outcome(directory.write("scene", "x")), "unknown extension ''"));
+    std::filesystem::create_directory(directory.path() / "folder.ply");
+    CHECK(contains(outcome(directory.path() / "folder.ply"), "not a regular file"));
+}
+
+TEST_CASE("light darkens a mesh's colors and nothing else", "[scenes][load]") {
+    const TemporaryDirectory directory;
+    const auto file =
+        directory.write("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 0 1\n3 0 2 1 200 100 0\n3 0 1 2 200 100 0\n");
+    const auto plain = load(file, unlit()).groups[0].triangles, lit = load(file).groups[0].triangles;
+    REQUIRE(lit.size() == 2);
+    CHECK(plain[0].rgba[0] == Rgba8{200, 100, 0});
+    CHECK(lit[0].vertices == plain[0].vertices);
+    CHECK(lit[0].rgba[0].r > lit[1].rgba[0].r);  // the first faces up
+    CHECK(lit[0].rgba[0].r <= 200);
+    CHECK(lit[1].rgba[0].b == 0);
+}

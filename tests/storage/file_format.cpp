@@ -1,0 +1,126 @@
+#include "farfield/storage/file_format.hpp"
+
+#include <bit>
+
+#include "catch.hpp"
+#include "farfield/storage/save.hpp"
+#include "files.hpp"
+
+using namespace farfield;
+using namespace farfield::detail;
+
+namespace {
+
+struct NotTagged {
+    struct cell_data {};
+    struct pool_element {};
+    static constexpr ApproximationFacts facts{};
+};
+struct PaddedRecords {
+    struct cell_data {
+        std::uint8_t a;
+        std::uint32_t b;
+    };
+    struct pool_element {};
+    static constexpr ApproximationFacts facts{.file_tag = 1};
+};
+struct UncheckedPool {
+    struct cell_data {};
+    struct pool_element {};
+    static constexpr ApproximationFacts facts{.has_pool = true, .file_tag = 1};
+};
+struct NotTaggedCost {
+    static constexpr const char* unit = "units";
+    static constexpr std::uint32_t file_tag = 0;
+    float cost(const Work&) const { return 1; }
+};
+
+}  // namespace
+
+TEST_CASE("what can be stored is stated by concepts") {
+    STATIC_REQUIRE(Storable<OctreeOfCubes>);
+    STATIC_REQUIRE(Storable<ExactSharedOctree>);
+    STATIC_REQUIRE(Storable<HalvesOfPooledCubes>);
+    STATIC_REQUIRE_FALSE(StorableApproximation<NotTagged>);
+    STATIC_REQUIRE_FALSE(StorableApproximation<PaddedRecords>);
+    STATIC_REQUIRE_FALSE(StorableApproximation<UncheckedPool>);
+    STATIC_REQUIRE_FALSE(StorablePartition<BasicHalfSplit<false>>);
+    STATIC_REQUIRE_FALSE(StorableCostModel<NotTaggedCost>);
+    STATIC_REQUIRE_FALSE(Storable<SpatialHierarchy<Octree, NotTagged, TriangleCount>>);
+}
+
+// Byte by byte: whoever makes this test fail makes a new version of the format.
+TEST_CASE("version 1 lies in files like this") {
+    HierarchyParts<Octree, ColorCube> parts;
+    parts.nodes = {Node{1, 0, 1, 0b101, 0b100, 1, 0}, Node{0, 1, 0, 0, 0, 255, 0}, Node{0, 2, 0, 0, 0, 0, 0}};
+    parts.cell_data = {ColorCube::cell_data{Rgba8{1, 2, 3, 4}}, ColorCube::cell_data{Rgba8{5, 6, 7, 8}}};
+    parts.order = {2, 0, 1};
+    parts.root_has_stand_in = true;
+    parts.bounds = {{-1, -2, -3}, {1, 2, 3}};
+    parts.root = {{0, 0, 0}, {3, 3, 3}, {0, 0, 0}, {6, 6, 6}, 0, 0};
+    parts.origin = {100, 200, 300};
+    parts.work.triangles = 3;
+    parts.primitive_count = 3;
+    parts.fingerprint = 0x1122334455667788u;
+    parts.report.primitives = 3;
+    parts.report.items = 3;
+    parts.report.nodes = 3;
+    const OctreeOfCubes h(Octree{.max_depth = 9}, ColorCube{.samples = 5, .inner = ColorCube::Inner::direct},
+                          TriangleCount{}, parts);
+    const TemporaryDirectory directory;
+    save(h, directory / "h");
+    const Bytes bytes = read_file(directory / "h");
+
+    const auto at = [&]<class T>(std::size_t offset, T) {
+        T v;
+        std::memcpy(&v, &bytes.at(offset + sizeof v - 1) - (sizeof v - 1), sizeof v);
+        return v;
+    };
+    const std::uint16_t u16 = 0;
+    const std::uint32_t u32 = 0;
+    const std::uint64_t u64 = 0;
+    REQUIRE(std::endian::native == std::endian::little);
+    CHECK(std::memcmp(bytes.data(),
+                      "\x89"
+                      "FFH\r\n\x1a\n",
+                      8) == 0);
+    CHECK(at(8, u32) == 1);
+    CHECK(at(12, u32) == 0x01020304);
+    CHECK(at(16, u32) == 512);
+    CHECK(at(20, u32) == Octree::facts.file_tag);
+    CHECK(at(24, u32) == ColorCube::facts.file_tag);
+    CHECK(at(28, u32) == TriangleCount::file_tag);
+    CHECK(at(32, u64) == bytes.size());
+    const std::uint64_t expected[8][3] = {{512, 1, 8}, {576, 1, 10}, {640, 1, 24}, {704, 3, 16},
+                                          {768, 0, 0}, {768, 2, 24}, {832, 0, 0},  {832, 3, 4}};
+    for (std::size_t s = 0; s < 8; ++s) {
+        INFO(section_names[s]);
+        for (std::size_t i = 0; i < 3; ++i) CHECK(at(40 + 32 * s + 8 * i, u64) == expected[s][i]);
+        const auto all = std::as_bytes(std::span(bytes));
+        CHECK(at(64 + 32 * s, u64) == Xxh64::of(all.subspan(expected[s][0], expected[s][1] * expected[s][2])));
+    }
+    CHECK(at(296, 0.0) == 100);
+    CHECK(at(304, 0.0) == 200);
+    CHECK(at(312, 0.0) == 300);
+    CHECK(at(320, u64) == 3);
+    CHECK(at(328, u64) == 0x1122334455667788u);
+    CHECK(at(336, u64) == 3);
+    CHECK(at(344, u64) == 3);
+    CHECK(at(352, u32) == 3);
+    CHECK(at(392, 0.0f) == -1);
+    CHECK(at(412, 0.0f) == 3);
+    CHECK(at(428, 0.0f) == 3);
+    CHECK(at(452, 0.0f) == 6);
+    CHECK(at(468, 0.0f) == 3);
+    CHECK(at(496, u32) == 1);
+    CHECK(at(500, u32) == 0);
+    CHECK(at(504, u64) == Xxh64::of(std::as_bytes(std::span(bytes)).first(504)));
+    CHECK(at(512, u32) == 9);
+    CHECK(at(576, u32) == 5);
+    CHECK(bytes[580] == 1);
+    CHECK(at(704, u32) == 1);
+    CHECK(bytes[716] == 0b101);
+    CHECK(at(792, u16) == 0x0605);
+    CHECK(at(832, u32) == 2);
+    CHECK(bytes.size() == 844);
+}

@@ -1,0 +1,227 @@
+#include "farfield/storage/open.hpp"
+
+#include <algorithm>
+
+#include "catch.hpp"
+#include "farfield/cost/measured_time.hpp"
+#include "farfield/storage/save.hpp"
+#include "files.hpp"
+
+using namespace farfield;
+using namespace farfield::detail;
+
+namespace {
+
+template <class T>
+bool same_bytes(std::span<const T> a, std::span<const T> b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+template <class H>
+void require_same(const H& a, const H& b) {
+    CHECK(same_bytes(a.nodes(), b.nodes()));
+    CHECK(same_bytes(a.order(), b.order()));
+    if constexpr (!std::is_empty_v<typename H::node_data>) CHECK(same_bytes(a.all_node_data(), b.all_node_data()));
+    if constexpr (!std::is_empty_v<typename H::cell_data>) CHECK(same_bytes(a.stand_ins(), b.stand_ins()));
+    if constexpr (!std::is_empty_v<typename H::pool_element>) CHECK(same_bytes(a.pool(), b.pool()));
+    CHECK(bytes_of(a.partition_policy()) == bytes_of(b.partition_policy()));
+    CHECK(bytes_of(a.approximation_policy()) == bytes_of(b.approximation_policy()));
+    CHECK(bytes_of(a.cost_policy()) == bytes_of(b.cost_policy()));
+    CHECK(bytes_of(a.report()) == bytes_of(b.report()));
+    CHECK(bytes_of(a.whole_work()) == bytes_of(b.whole_work()));
+    CHECK(bytes_of(a.root_cell()) == bytes_of(b.root_cell()));
+    CHECK(bytes_of(a.bounds()) == bytes_of(b.bounds()));
+    CHECK(a.origin() == b.origin());
+    CHECK(a.item_count() == b.item_count());
+    CHECK(a.primitive_count() == b.primitive_count());
+    CHECK(a.fingerprint() == b.fingerprint());
+    CHECK((a.root_stand_in() == nullptr) == (b.root_stand_in() == nullptr));
+    CHECK(a.bytes() == b.bytes());
+}
+
+template <class H>
+std::string refused(const std::filesystem::path& path, const OpenOptions& options = {}) {
+    return refusal(path, [&](const auto& p) { open<H>(p, options); });
+}
+template <class H>
+std::string refused(const TemporaryDirectory& directory, const Bytes& bytes, const OpenOptions& options = {}) {
+    write_file(directory / "changed", bytes);
+    return refused<H>(directory / "changed", options);
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("what was saved is opened", "", OctreeOfCubes, SharedOctreeOfCubes, ExactOctree, ExactSharedOctree,
+                   HalvesOfPooledCubes) {
+    const TemporaryDirectory directory;
+    for (const std::size_t count : {0u, 1u, 2u, 30u, 3000u}) {
+        INFO(count << " triangles");
+        const auto triangles = scene(count);
+        const auto h = built<TestType>(triangles);
+        save(h, directory / "h");
+        for (const bool verify : {true, false}) {
+            const auto opened = open<TestType>(directory / "h", {.verify_checksums = verify});
+            CHECK(opened.is_from_file());
+            CHECK_FALSE(h.is_from_file());
+            require_same(h, opened);
+            CHECK(pictures(opened, triangles) == pictures(h, triangles));
+        }
+    }
+}
+
+TEST_CASE("the hierarchy over nothing is opened") {
+    const TemporaryDirectory directory;
+    save(HalvesOfPooledCubes(), directory / "h");
+    require_same(open<HalvesOfPooledCubes>(directory / "h"), HalvesOfPooledCubes());
+}
+
+TEST_CASE("primitives in the hierarchy's order need no list of it in the file") {
+    const TemporaryDirectory directory;
+    auto triangles = scene(2000);
+    const auto h = OctreeOfCubes::build_in_place(std::span(triangles));
+    save(h, directory / "h");
+    const auto opened = open<OctreeOfCubes>(directory / "h");
+    CHECK(opened.order().empty());
+    require_same(h, opened);
+    CHECK(pictures(opened, triangles) == pictures(h, triangles));
+}
+
+TEST_CASE("options of the policies come from the file") {
+    const TemporaryDirectory directory;
+    const auto triangles = scene(500);
+    using H = SpatialHierarchy<Octree, ColorCube, MeasuredTime>;
+    const ColorCube cube{.samples = 3,
+                         .inner = ColorCube::Inner::direct,
+                         .opacity = ColorCube::Opacity::thresholded,
+                         .coverage_threshold = 0.25f};
+    save(H::build(std::span<const Triangle>(triangles), {.max_depth = 5}, cube, {.splat = 1.5f}), directory / "h");
+    const auto opened = open<H>(directory / "h");
+    CHECK(opened.partition_policy().max_depth == 5);
+    CHECK(opened.approximation_policy().samples == 3);
+    CHECK(opened.approximation_policy().inner == ColorCube::Inner::direct);
+    CHECK(opened.approximation_policy().opacity == ColorCube::Opacity::thresholded);
+    CHECK(opened.approximation_policy().coverage_threshold == 0.25f);
+    CHECK(opened.cost_policy().splat == 1.5f);
+}
+
+TEST_CASE("arrays lie in the mapping, one after the other, and live as long as a copy") {
+    const TemporaryDirectory directory;
+    const auto triangles = scene(1000);
+    save(built<OctreeOfCubes>(triangles), directory / "h");
+    const FileHeader header = header_of(read_file(directory / "h"));
+    OctreeOfCubes copy;
+    {
+        const auto opened = open<OctreeOfCubes>(directory / "h");
+        copy = opened;
+    }
+    const auto* const nodes = reinterpret_cast<const std::byte*>(copy.nodes().data());
+    const auto* const start = nodes - header.sections[std::size_t(Section::nodes)].offset;
+    CHECK(std::memcmp(start, file_magic.data(), file_magic.size()) == 0);
+    CHECK(reinterpret_cast<const std::byte*>(copy.stand_ins().data()) ==
+          start + header.sections[std::size_t(Section::stand_ins)].offset);
+    CHECK(reinterpret_cast<const std::byte*>(copy.order().data()) ==
+          start + header.sections[std::size_t(Section::order)].offset);
+    CHECK(reinterpret_cast<std::uintptr_t>(nodes) % 64 == 0);
+    CHECK(pictures(copy, triangles) == pictures(built<OctreeOfCubes>(triangles), triangles));
+}
+
+TEST_CASE("a viewer refuses other primitives than those it was built from") {
+    const TemporaryDirectory directory;
+    auto triangles = scene(300);
+    save(built<OctreeOfCubes>(triangles), directory / "h");
+    const auto opened = open<OctreeOfCubes>(directory / "h");
+    ZBufferRenderer renderer;
+    CHECK_NOTHROW(make_viewer(opened, triangles, renderer));
+    const auto fewer = scene(299), others = scene(300, 2);
+    CHECK_THROWS_AS(make_viewer(opened, fewer, renderer), std::invalid_argument);
+    CHECK_THROWS_AS(make_viewer(opened, others, renderer), std::invalid_argument);
+    std::swap(triangles.front(), triangles.back());
+    CHECK_THROWS_AS(make_viewer(opened, triangles, renderer), std::invalid_argument);
+}
+
+TEST_CASE("what is no hierarchy's file says why") {
+    const TemporaryDirectory directory;
+    CHECK(refused<OctreeOfCubes>(directory / "none") == "No such file or directory");
+    CHECK(refused<OctreeOfCubes>(directory / "") == "is a directory");
+    CHECK(refused<OctreeOfCubes>(directory, Bytes()) == "is empty");
+    const std::string text = "ply\nformat ascii 1.0\n" + std::string(1000, ' ');
+    CHECK(refused<OctreeOfCubes>(directory, Bytes(text.begin(), text.end())) == "is no hierarchy of farfield's");
+
+    save(OctreeOfCubes(), directory / "h");
+    Bytes bytes = read_file(directory / "h");
+    bytes[4] = '\n';  // line ends were changed on the way
+    CHECK(refused<OctreeOfCubes>(directory, bytes) == "is no hierarchy of farfield's");
+}
+
+TEST_CASE("files of other policies, versions and machines say so") {
+    const TemporaryDirectory directory;
+    save(built<OctreeOfCubes>(scene(100)), directory / "h");
+    const Bytes bytes = read_file(directory / "h");
+    CHECK(refused<SharedOctreeOfCubes>(directory / "h") ==
+          "was saved with another partition: expected 0x4f430001 (OC), found 0x4f430002 (OC)");
+    CHECK(refused<ExactOctree>(directory / "h") ==
+          "was saved with another approximation: expected 0x45580001 (EX), found 0x43430001 (CC)");
+    CHECK(refused<SpatialHierarchy<Octree, ColorCube, MeasuredTime>>(directory / "h") ==
+          "was saved with another cost model: expected 0x4d540001 (MT), found 0x54430001 (TC)");
+
+    FileHeader header = header_of(bytes);
+    header.version = 2;
+    CHECK(refused<OctreeOfCubes>(directory, sealed(bytes, header)) ==
+          "has format version 2, this program reads version 1");
+    header = header_of(bytes);
+    header.byte_order = 0x04030201;
+    CHECK(refused<OctreeOfCubes>(directory, sealed(bytes, header)) == "was saved on a machine of the other byte order");
+    header = header_of(bytes);
+    header.sections[std::size_t(Section::stand_ins)].record_bytes = 48;
+    header.sections[std::size_t(Section::stand_ins)].count /= 2;
+    CHECK(refused<OctreeOfCubes>(directory, sealed(bytes, header)) ==
+          "was saved with other records: section 'stand-ins' has 48 bytes a record, expected 24");
+}
+
+TEST_CASE("a truncated file says how much is left of it") {
+    const TemporaryDirectory directory;
+    save(built<OctreeOfCubes>(scene(100)), directory / "h");
+    const Bytes bytes = read_file(directory / "h");
+    std::vector<std::size_t> sizes;
+    for (std::size_t size = 1; size < 600; ++size) sizes.push_back(size);
+    for (const SectionEntry& s : header_of(bytes).sections) {
+        for (std::size_t size : {s.offset - 1, s.offset, s.offset + 1, s.offset + s.bytes()}) sizes.push_back(size);
+    }
+    for (std::size_t size = 600; size < bytes.size(); size += 97) sizes.push_back(size);
+    sizes.push_back(bytes.size() - 1);
+    for (const std::size_t size : sizes) {
+        if (size >= bytes.size()) continue;
+        const std::string why =
+            refused<OctreeOfCubes>(directory, Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size)));
+        CHECK(why.rfind("is truncated: it has " + std::to_string(size) + " bytes", 0) == 0);
+    }
+    Bytes longer = bytes;
+    longer.push_back(0);
+    CHECK(refused<OctreeOfCubes>(directory, longer).rfind("is too long: ", 0) == 0);
+    // Where the checksum agrees with the shorter size, what lies outside is found.
+    Bytes shorter(bytes.begin(), bytes.end() - 64);
+    FileHeader header = header_of(shorter);
+    header.file_bytes = shorter.size();
+    CHECK(refused<OctreeOfCubes>(directory, sealed(shorter, header)) ==
+          "is damaged: section 'order' reaches beyond the end");
+}
+
+TEMPLATE_TEST_CASE("a changed byte is found, wherever it is", "", OctreeOfCubes, HalvesOfPooledCubes) {
+    const TemporaryDirectory directory;
+    save(built<TestType>(scene(40)), directory / "h");
+    const Bytes bytes = read_file(directory / "h");
+    const FileHeader header = header_of(bytes);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        Bytes changed = bytes;
+        changed[i] = char(changed[i] ^ (1 << i % 8));
+        const std::string why = refused<TestType>(directory, changed);
+        CAPTURE(i, why);
+        REQUIRE_FALSE(why.empty());
+        for (std::size_t s = 0; s < section_count; ++s) {
+            if (header.sections[s].offset <= i && i < header.sections[s].offset + header.sections[s].bytes()) {
+                CHECK(why == std::string("is damaged: section '") + section_names[s] +
+                                 "' does not have the checksum it was saved with");
+            }
+        }
+    }
+}

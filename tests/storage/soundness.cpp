@@ -1,0 +1,195 @@
+#include "farfield/storage/soundness.hpp"
+
+#include <limits>
+
+#include "catch.hpp"
+#include "farfield/storage/open.hpp"
+#include "farfield/storage/save.hpp"
+#include "files.hpp"
+
+using namespace farfield;
+using namespace farfield::detail;
+
+namespace {
+
+// Root, two children, of which the second has three.
+const std::vector<Node> good_nodes{
+    {.first_child = 1, .first_child_data = 1, .child_mask = 0b1001, .stand_in_mask = 0b1000},
+    {.first_item = 2},
+    {.first_child = 3, .first_item = 5, .first_child_data = 2, .child_mask = 0b111, .stand_in_mask = 0b101},
+    {.first_item = 5},
+    {.first_item = 7},
+    {.first_item = 7}};
+constexpr std::uint32_t good_items = 9;
+constexpr std::uint64_t good_stand_ins = 4;
+
+template <class Change>
+std::string changed(Change&& change) {
+    std::vector<Node> nodes = good_nodes;
+    change(nodes);
+    const char* why = unsound_nodes(nodes, good_items, good_stand_ins, true);
+    return why ? why : "";
+}
+
+// Draws whatever opens; whoever reads outside of a span is stopped where assertions are on.
+template <class H>
+bool opens_and_draws(const std::filesystem::path& path, const std::vector<Triangle>& triangles, bool verify) {
+    try {
+        const H opened = open<H>(path, {.verify_checksums = verify});
+        pictures(opened, triangles, 16);
+        return true;
+    } catch (const std::runtime_error&) {
+        return false;
+    } catch (const std::invalid_argument&) {  // the Viewer: other primitives
+        return false;
+    }
+}
+
+struct Damage {
+    Bytes bytes;
+    FileHeader header = header_of(bytes);
+
+    char& at(Section s, std::size_t byte) { return bytes[header.sections[std::size_t(s)].offset + byte]; }
+};
+
+}  // namespace
+
+TEST_CASE("nodes that lead somewhere else are found") {
+    CHECK(changed([](auto&) {}).empty());
+    CHECK(changed([](auto& n) { n.clear(); }) == "it has no root");
+    CHECK(changed([](auto& n) { n[0].first_item = 1; }) == "the root's items do not start at 0");
+    CHECK(changed([](auto& n) { n[0].first_child = 0; }) == "nodes are out of order");
+    CHECK(changed([](auto& n) { n[2].first_child = 1; }) == "nodes are out of order");
+    CHECK(changed([](auto& n) { n[2].first_child = 0xffffffffu; }) == "nodes are out of order");
+    CHECK(changed([](auto& n) { n[1] = {1, 2, 0, 0b11, 0, 0, 0}; }) == "nodes are out of order");
+    CHECK(changed([](auto& n) { n[2].child_mask = 0b1111; }) == "a node's child does not exist");
+    CHECK(changed([](auto& n) { n[2].child_mask = 0b101; }) == "it has nodes that belong to no other");
+    CHECK(changed([](auto& n) { n.pop_back(); }) == "a node's child does not exist");
+    CHECK(changed([](auto& n) { n.emplace_back(); }) == "it has nodes that belong to no other");
+    CHECK(changed([](auto& n) { n[1].first_item = 6; }) == "a node's items are out of order");
+    CHECK(changed([](auto& n) { n[5].first_item = 10; }) == "a node's items are out of order");
+    CHECK(changed([](auto& n) { n[4].first_item = 4; }) == "a node's items are out of order");
+    CHECK(changed([](auto& n) { n[0].stand_in_mask = 0b100; }) == "a stand-in belongs to a child that does not exist");
+    CHECK(changed([](auto& n) { n[0].first_child_data = 0; }) == "stand-ins are out of order");
+    CHECK(changed([](auto& n) { n[2].first_child_data = 3; }) == "stand-ins are out of order");
+    CHECK(changed([](auto& n) { n[2].stand_in_mask = 0b111; }) == "a node's stand-in does not exist");
+    CHECK(changed([](auto& n) { n[2].stand_in_mask = 0b001; }) == "it has stand-ins that belong to no node");
+    CHECK(unsound_nodes(std::vector<Node>(1), 0, 0, true) == std::string("the root's stand-in is missing"));
+}
+
+TEST_CASE("what a builder makes is sound") {
+    for (const std::size_t count : {0u, 1u, 7u, 5000u}) {
+        for (unsigned seed = 1; seed < 4; ++seed) {
+            const auto h = built<SharedOctreeOfCubes>(scene(count, seed));
+            CHECK(unsound_nodes(h.nodes(), h.item_count(), h.stand_ins().size(), h.root_stand_in() != nullptr) ==
+                  nullptr);
+        }
+    }
+}
+
+TEST_CASE("files whose checksums agree are not believed") {
+    const TemporaryDirectory directory;
+    save(built<HalvesOfPooledCubes>(scene(500)), directory / "h");
+    const Bytes bytes = read_file(directory / "h");
+    const auto why = [&](auto&& change) {
+        Damage damage{bytes};
+        change(damage);
+        write_file(directory / "changed", sealed(damage.bytes, damage.header));
+        return refusal(directory / "changed", [](auto& p) { open<HalvesOfPooledCubes>(p); });
+    };
+    using S = Section;
+    const float infinity = std::numeric_limits<float>::infinity();
+    CHECK(why([](Damage&) {}).empty());
+    CHECK(why([](Damage& d) { d.at(S::partition_options, 4) = 2; }) ==
+          "is damaged: an option is neither true nor false");
+    CHECK(why([](Damage& d) { d.at(S::node_data, 0) = 3; }) == "is damaged: the partition refuses a node's data");
+    CHECK(why([](Damage& d) { d.at(S::stand_ins, 3) = 1; }) == "is damaged: the approximation refuses a stand-in");
+    CHECK(why([](Damage& d) { d.at(S::order, 3) = 1; }) ==
+          "is damaged: its order names a primitive that does not exist");
+    CHECK(why([](Damage& d) { d.at(S::nodes, 7) = 1; }) == "is damaged: the root's items do not start at 0");
+    CHECK(why([](Damage& d) { d.header.facts.report.items -= 1; }) != "");
+    CHECK(why([](Damage& d) { d.header.facts.report.items = 1ull << 32; }) ==
+          "is damaged: it has more than 2^32 nodes or items");
+    CHECK(why([](Damage& d) { d.header.facts.primitive_count -= 1; }) ==
+          "is damaged: its order names a primitive that does not exist");
+    CHECK(why([](Damage& d) { d.header.facts.root_has_stand_in = 2; }) == "is damaged: a flag has no known meaning");
+    CHECK(why([](Damage& d) { d.header.facts.root_has_stand_in = 0; }) == "is damaged: stand-ins are out of order");
+    CHECK(why([&](Damage& d) { d.header.facts.root.half.y = infinity; }) ==
+          "is damaged: the root's cell is not finite");
+    CHECK(why([&](Damage& d) { d.header.facts.root.center.x = infinity - infinity; }) ==
+          "is damaged: the root's cell is not finite");
+    CHECK(why([](Damage& d) { d.header.facts.root.bounds_half.z = -1; }) ==
+          "is damaged: the root's cell is less than empty");
+    CHECK(why([](Damage& d) { d.header.facts.root.depth = 1; }) == "is damaged: the root's depth is not 0");
+    CHECK(why([&](Damage& d) { d.header.facts.bounds.upper.x = infinity; }) == "is damaged: its bounds are not finite");
+    CHECK(why([](Damage& d) { d.header.header_bytes = 256; }) == "is damaged: its header has another size");
+    for (std::size_t s = 0; s < section_count; ++s) {
+        INFO(section_names[s]);
+        for (const std::uint64_t count : {std::uint64_t(1) << 60, ~std::uint64_t(0), std::uint64_t(1) << 32}) {
+            CHECK(why([&](Damage& d) { d.header.sections[s].count = count; }).rfind("is damaged: section ", 0) == 0);
+            CHECK(why([&](Damage& d) { d.header.sections[s].offset = count; }).rfind("is damaged: section ", 0) == 0);
+        }
+        CHECK_FALSE(why([&](Damage& d) { d.header.sections[s].count += 1; }).empty());
+        if (header_of(bytes).sections[s].count > 0) {
+            CHECK_FALSE(why([&](Damage& d) { d.header.sections[s].count -= 1; }).empty());
+        }
+        CHECK_FALSE(why([&](Damage& d) { d.header.sections[s].offset += 64; }).empty());
+    }
+}
+
+TEMPLATE_TEST_CASE("whatever byte is changed, frames stay within the arrays", "", OctreeOfCubes, ExactSharedOctree,
+                   HalvesOfPooledCubes) {
+    const TemporaryDirectory directory;
+    const auto triangles = scene(60);
+    save(built<TestType>(triangles), directory / "h");
+    const Bytes bytes = read_file(directory / "h");
+    std::mt19937 random(3);
+    std::size_t opened = 0;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        for (const int flip : {0xff, 1 << random() % 8}) {
+            INFO("byte " << i << " ^ " << flip);
+            Bytes changed = bytes;
+            changed[i] = char(changed[i] ^ flip);
+            write_file(directory / "changed", changed);
+            opened += opens_and_draws<TestType>(directory / "changed", triangles, false);
+            if (i + 8 >= sizeof(FileHeader) || i < 40) continue;
+            write_file(directory / "changed", sealed(changed));
+            opened += opens_and_draws<TestType>(directory / "changed", triangles, true);
+        }
+    }
+    CHECK(opened > 0);  // colors, prices, the report
+}
+
+TEST_CASE("whatever bytes are changed together, frames stay within the arrays") {
+    const TemporaryDirectory directory;
+    const auto triangles = scene(60);
+    save(built<OctreeOfCubes>(triangles), directory / "h");
+    const Bytes bytes = read_file(directory / "h");
+    const SectionEntry nodes = header_of(bytes).sections[std::size_t(Section::nodes)];
+    std::mt19937 random(4);
+    for (int round = 0; round < 3000; ++round) {
+        Bytes changed = bytes;
+        for (auto n = 1 + random() % 3; n > 0; --n) {
+            changed[nodes.offset + random() % nodes.bytes()] = char(random() % 4 == 0 ? random() : random() % 8);
+        }
+        write_file(directory / "changed", sealed(changed));
+        opens_and_draws<OctreeOfCubes>(directory / "changed", triangles, true);
+    }
+}
+
+TEST_CASE("as deep as a file may be, a frame ends") {
+    const TemporaryDirectory directory;
+    HierarchyParts<Octree, Exact> parts;
+    const auto triangles = scene(400);
+    for (std::uint32_t i = 0; i < most_levels_in_files; ++i) {
+        parts.nodes.push_back({.first_child = i + 1, .child_mask = 1});
+    }
+    parts.nodes.back() = {};
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) parts.order.push_back(i);
+    parts.root = {glm::vec3(0.5f), glm::vec3(0.5f), glm::vec3(0.5f), glm::vec3(1), 0, 0};
+    parts.bounds = {glm::vec3(0), glm::vec3(1)};
+    parts.primitive_count = parts.report.items = triangles.size();
+    parts.fingerprint = fingerprint_of(std::span<const Triangle>(triangles));
+    save(ExactOctree({}, {}, {}, parts), directory / "h");
+    CHECK(opens_and_draws<ExactOctree>(directory / "h", triangles, true));
+}
