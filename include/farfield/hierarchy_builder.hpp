@@ -1,7 +1,5 @@
-// How a hierarchy is built, in phases: split, level by level -> order, depth first -> stand-ins, bottom up -> freeze.
-//
-// Only freezing makes runs: policies may still move items before it. Levels are finished one after the other, so that
-// whatever a level decides depends on the levels above alone and never on which thread was faster.
+// How a hierarchy is built, in phases: split (cell_splitter.hpp) -> order, depth first -> stand-ins, bottom up ->
+// freeze. Only freezing makes runs: policies may still move items before it.
 #pragma once
 
 #include <algorithm>
@@ -9,12 +7,10 @@
 #include <bit>
 #include <cstdint>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "farfield/geometry/triangle_box.hpp"
+#include "farfield/cell_splitter.hpp"
 #include "farfield/hierarchy_parts.hpp"
 #include "farfield/policy.hpp"
 
@@ -30,34 +26,10 @@ struct SerialExecutor {
 
 namespace detail {
 
-inline std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
-    hash = (hash ^ value) * 0x9e3779b97f4a7c15u;  // splitmix64's increment and half of its finalizer
-    return hash ^ hash >> 29;
-}
-
-template <SomeBox B>
-std::uint64_t mixed(std::uint64_t hash, const B& b) {
-    // One chain of multiplications a box, not three: the chain is what takes the time.
-    const auto word = [](float l, float u) {
-        return std::uint64_t(std::bit_cast<std::uint32_t>(l)) << 32 | std::bit_cast<std::uint32_t>(u);
-    };
-    return mixed(hash, word(float(b.lower.x), float(b.upper.x)) * 0xbf58476d1ce4e5b9u ^
-                           word(float(b.lower.y), float(b.upper.y)) * 0x94d049bb133111ebu ^
-                           word(float(b.lower.z), float(b.upper.z)));
-}
-
-template <Primitive P>
-std::uint64_t fingerprint_of(std::span<const P> primitives) {
-    std::uint64_t hash = mixed(0, primitives.size());
-    for (const P& p : primitives) hash = mixed(hash, primitive_traits<P>::bounds(p));
-    return hash;
-}
-
 template <Partition Part, Approximation A, CostModel C, Primitive P, OrthographicSampler Sampler, class Executor>
 class HierarchyBuilder {
   public:
     using Parts = HierarchyParts<Part, A>;
-    static constexpr bool items_are_shared = (Part::facts.offers & A::facts.accepts & unique) == 0;
 
     HierarchyBuilder(std::span<const P> primitives, const Part& partition, const A& approximation, const C& cost,
                      const Sampler& sampler, const BuildOptions& options, const Executor& executor)
@@ -70,9 +42,13 @@ class HierarchyBuilder {
           executor_(executor) {}
 
     Parts build() {
-        take_primitives();
-        while (level_begin_ < drafts_.size()) split_level();
-        order_depth_first();
+        {
+            CellSplitter<Part, A, C, P, Executor> splitter(primitives_, partition_, approximation_, cost_, options_,
+                                                           executor_, parts_);
+            splitter.split();
+            drafts_ = std::move(splitter.drafts());
+            order_depth_first(splitter.kept());
+        }
         std::vector<typename decltype(draft_type())::type> drafts;
         if constexpr (A::facts.stands_in) make_drafts(drafts);
         freeze(drafts);
@@ -80,16 +56,7 @@ class HierarchyBuilder {
     }
 
   private:
-    struct DraftNode {
-        Cell cell;
-        typename Part::node_data data{};
-        std::size_t first = 0, count = 0;  ///< its items in this level's array; of a finished node in kept_
-        float cost = 0;                    ///< of its own run, later of its subtree
-        std::uint32_t first_child = 0;
-        std::uint8_t child_mask = 0;
-        Split answer = Split::no;
-        bool is_leaf = true;
-    };
+    using DraftCell = DraftNode<typename Part::node_data>;
 
     static auto draft_type() {
         if constexpr (A::facts.stands_in) {
@@ -99,236 +66,12 @@ class HierarchyBuilder {
         }
     }
 
-    [[noreturn]] static void refuse(std::size_t index, const char* why) {
-        throw std::invalid_argument("farfield: primitive " + std::to_string(index) + " " + why);
-    }
-
-    void take_primitives() {
-        if (primitives_.size() > 0xfffffff0u) {
-            throw std::invalid_argument(
-                "farfield: more than 2^32 - 16 primitives; use instances or several hierarchies");
-        }
-        parts_.fingerprint = mixed(0, primitives_.size());
-        auto whole = decltype(primitive_traits<P>::bounds(std::declval<const P&>()))::empty();
-        for (std::size_t i = 0; i < primitives_.size(); ++i) {
-            const auto b = primitive_traits<P>::bounds(primitives_[i]);
-            if (b.is_empty()) refuse(i, "has an empty bounding box (lower > upper)");
-            if (!b.is_finite()) refuse(i, "has a bounding box that is not finite (NaN or infinity)");
-            whole.add(b);
-            parts_.fingerprint = mixed(parts_.fingerprint, b);
-        }
-        if constexpr (has_double_bounds<P>) {
-            if (!whole.is_empty()) parts_.origin = whole.center();
-        }
-        items_.resize(primitives_.size());
-        if constexpr (items_are_shared) {
-            whole_cost_.resize(primitives_.size());
-            cells_with_.assign(primitives_.size(), 1);
-        }
-        float total = 0;
-        for (std::size_t i = 0; i < primitives_.size(); ++i) {
-            const Work work = work_of(primitives_[i]);
-            items_[i] = {local_bounds(primitives_[i], parts_.origin), std::uint32_t(i), cost_.cost(work)};
-            if (!(items_[i].cost >= 0)) refuse(i, "has a cost below 0 or NaN");
-            if constexpr (items_are_shared) whole_cost_[i] = items_[i].cost;
-            parts_.bounds.add(items_[i].bounds);
-            parts_.work += work;
-            total += items_[i].cost;
-        }
-        if (!parts_.bounds.is_empty() && !parts_.bounds.is_finite()) {
-            throw std::invalid_argument("farfield: the scene's extent overflows single precision");
-        }
-        parts_.primitive_count = primitives_.size();
-        parts_.report.primitives = primitives_.size();
-        parts_.root = partition_.root(parts_.bounds);
-        drafts_.push_back({.cell = parts_.root, .count = items_.size(), .cost = total});
-    }
-
-    /// Decides about each node of the newest level, then hands its items down.
-    void split_level() {
-        const std::size_t begin = level_begin_, end = drafts_.size();
-        const bool over_budget = options_.memory_budget_bytes != 0 && bytes_so_far() > options_.memory_budget_bytes;
-        targets_.resize(items_.size());
-        std::vector<LevelNode> level(end - begin);
-        executor_(level.size(), [&](std::size_t i) { decide(drafts_[begin + i], level[i], over_budget); });
-
-        // Where everything goes: serial, and so the same on any number of threads.
-        std::size_t next_size = 0, kept_size = kept_.size();
-        for (std::size_t i = 0; i < level.size(); ++i) {
-            DraftNode& node = drafts_[begin + i];
-            LevelNode& l = level[i];
-            l.kept_to = kept_size;
-            kept_size += l.kept;
-            count_refusals(l);
-            if (node.is_leaf) continue;
-            const Cell parent = node.cell;
-            const auto data = node.data;
-            const std::uint8_t mask = node.child_mask;
-            drafts_[begin + i].first_child = std::uint32_t(drafts_.size());
-            for (unsigned c = 0; c < 8; ++c) {
-                if ((mask >> c & 1) == 0) continue;
-                l.next_to[c] = next_size;
-                drafts_.push_back({.cell = partition_.child(parent, data, c), .first = next_size, .count = l.count[c]});
-                next_size += l.count[c];
-            }
-            parts_.report.empty_cells_pruned += 8 - unsigned(std::popcount(mask));
-        }
-        if (drafts_.size() > 0xfffffff0u || kept_size > 0xfffffff0u || next_size > 0xfffffff0u) {
-            throw std::length_error("farfield: the hierarchy would exceed 2^32 nodes or items; lower max_depth");
-        }
-        if constexpr (items_are_shared) count_cells(begin, end);
-        next_items_.resize(next_size);
-        kept_.resize(kept_size);
-        executor_(level.size(), [&](std::size_t i) { hand_down(drafts_[begin + i], level[i]); });
-        std::swap(items_, next_items_);
-        for (std::size_t i = 0; i < level.size(); ++i) {
-            drafts_[begin + i].first = level[i].kept_to;
-            drafts_[begin + i].count = level[i].kept;
-        }
-        level_begin_ = end;
-        if (end > begin) ++parts_.report.levels;
-    }
-
-    struct LevelNode {
-        std::array<std::size_t, 8> count{}, next_to{};
-        std::size_t kept = 0, kept_to = 0;
-        bool would_not_pay = false, too_deep = false, one_place = false, no_memory = false;
-    };
-
-    void decide(DraftNode& node, LevelNode& l, bool over_budget) {
-        const std::span<const Item> items(items_.data() + node.first, node.count);
-        node.answer = items.empty() ? Split::no : partition_.choose(node.cell, items, node.data);
-        bool splits = node.answer == Split::yes || node.answer == Split::always;
-        float rest_cost = 0, kept_cost = 0;
-        std::size_t kept = 0;
-        if (splits) {
-            struct Emit {
-                std::uint8_t& mask;
-                void operator()(unsigned child) const { mask = std::uint8_t(mask | 1u << child); }
-                void keep() const {}
-            };
-            for (std::size_t i = 0; i < items.size(); ++i) {
-                std::uint8_t mask = 0;
-                partition_.place(node.cell, std::as_const(node.data), items[i], touches(items[i].source), Emit{mask});
-                targets_[node.first + i] = mask;
-                if (mask == 0) {
-                    ++kept;
-                    kept_cost += items[i].cost;
-                    continue;
-                }
-                rest_cost += items[i].cost;
-                for (unsigned m = mask; m != 0; m &= m - 1) ++l.count[unsigned(std::countr_zero(m))];
-            }
-            for (unsigned c = 0; c < 8; ++c) {
-                if (l.count[c] != 0) node.child_mask = std::uint8_t(node.child_mask | 1u << c);
-            }
-        }
-        if (splits && node.answer != Split::always) {
-            l.would_not_pay = !pays(rest_cost, float(std::popcount(node.child_mask)));
-            l.no_memory = !l.would_not_pay && over_budget;
-            splits = !l.would_not_pay && !l.no_memory;
-        }
-        // A single child with all the items is progress only if a later split can tell them apart.
-        if (splits && node.answer != Split::always && std::has_single_bit(node.child_mask) &&
-            cannot_be_told_apart(items)) {
-            l.one_place = true;
-            splits = false;
-        }
-        if (node.child_mask == 0) splits = false;
-        node.is_leaf = !splits;
-        if (splits) {
-            l.kept = kept;
-            node.cost = kept_cost;
-        } else {
-            node.child_mask = 0;
-            l.kept = items.size();
-            node.cost = 0;
-            for (const Item& item : items) node.cost += item.cost;
-        }
-        if (node.answer == Split::too_deep) l.too_deep = pays(node.cost, 1);
-    }
-
-    /// "The cost of rendering the primitives is no more than the cost of rendering the color-cube approximations of the
-    /// children" (1996, section 4): then a cell is not split. Where nothing stands in there is nothing to compare with,
-    /// and a split must earn by culling: a cell on the frustum's border is half outside on average.
-    bool pays(float rest_cost, float children) const {
-        if constexpr (Part::facts.splits_for_order) {
-            return true;
-        } else if constexpr (A::facts.stands_in) {
-            return rest_cost > children * cost_.cost(approximation_.expected_work());
-        } else {
-            return 0.5f * rest_cost > children * cost_.cost({.cells = 1, .runs = 1});
-        }
-    }
-
-    static bool cannot_be_told_apart(std::span<const Item> items) {
-        const glm::vec3 first = items[0].bounds.center();
-        return std::all_of(items.begin(), items.end(), [&](const Item& i) { return i.bounds.center() == first; });
-    }
-
-    auto touches(std::uint32_t source) const {
-        return [this, source](const Box& box) {
-            if constexpr (PrimitiveWithPolygons<P>) {
-                bool touched = false;
-                local_polygons(primitives_[source], parts_.origin, [&](const Polygon& polygon) {
-                    for (std::size_t i = 2; i < polygon.vertices.size() && !touched; ++i) {
-                        touched =
-                            triangle_touches(box, polygon.vertices[0], polygon.vertices[i - 1], polygon.vertices[i]);
-                    }
-                });
-                return touched;
-            } else {
-                return true;
-            }
-        };
-    }
-
-    void count_refusals(const LevelNode& l) {
-        parts_.report.splits_that_would_not_pay += l.would_not_pay;
-        parts_.report.cells_at_depth_limit += l.too_deep;
-        parts_.report.cells_that_cannot_be_told_apart += l.one_place;
-        parts_.report.cells_over_memory_budget += l.no_memory;
-    }
-
-    /// "Its drawing cost in each of these cells is obtained by dividing its original cost by the number of cells in
-    /// which it appears" (1996, section 4); counted once a level, since the number changes while other branches split.
-    void count_cells(std::size_t begin, std::size_t end) {
-        for (std::size_t n = begin; n < end; ++n) {
-            const DraftNode& node = drafts_[n];
-            if (node.is_leaf) continue;
-            for (std::size_t i = node.first; i < node.first + node.count; ++i) {
-                if (targets_[i] != 0) cells_with_[items_[i].source] += std::uint32_t(std::popcount(targets_[i])) - 1;
-            }
-        }
-    }
-
-    void hand_down(const DraftNode& node, LevelNode& l) {
-        std::size_t kept_to = l.kept_to;
-        for (std::size_t i = node.first; i < node.first + node.count; ++i) {
-            Item item = items_[i];
-            if constexpr (items_are_shared) item.cost = whole_cost_[item.source] / float(cells_with_[item.source]);
-            const unsigned mask = node.is_leaf ? 0u : targets_[i];
-            if (mask == 0) kept_[kept_to++] = item.source;
-            for (unsigned m = mask; m != 0; m &= m - 1) next_items_[l.next_to[unsigned(std::countr_zero(m))]++] = item;
-        }
-    }
-
-    std::uint64_t bytes_so_far() const {
-        return drafts_.size() *
-               (sizeof(Node) + stored_size<typename Part::node_data> +
-                stored_size<typename A::cell_data>)+(kept_.size() + items_.size()) *
-               sizeof(std::uint32_t);
-    }
-
     /// New places of nodes (blocks of siblings, depth first) and of items; costs summed up from the leaves.
-    void order_depth_first() {
-        items_ = {};
-        next_items_ = {};
-        targets_ = {};
+    void order_depth_first(const std::vector<std::uint32_t>& kept) {
         new_index_.resize(drafts_.size());
         first_item_.resize(drafts_.size());
         end_item_.resize(drafts_.size());
-        parts_.order.reserve(kept_.size());
+        parts_.order.reserve(kept.size());
         std::uint32_t next = 1;
         std::vector<std::pair<std::uint32_t, bool>> stack{{0, false}};
         while (!stack.empty()) {
@@ -338,10 +81,10 @@ class HierarchyBuilder {
                 end_item_[n] = std::uint32_t(parts_.order.size());
                 continue;
             }
-            const DraftNode& node = drafts_[n];
+            const DraftCell& node = drafts_[n];
             first_item_[n] = std::uint32_t(parts_.order.size());
-            parts_.order.insert(parts_.order.end(), kept_.begin() + std::ptrdiff_t(node.first),
-                                kept_.begin() + std::ptrdiff_t(node.first + node.count));
+            parts_.order.insert(parts_.order.end(), kept.begin() + std::ptrdiff_t(node.first),
+                                kept.begin() + std::ptrdiff_t(node.first + node.count));
             stack.emplace_back(n, true);
             const auto children = unsigned(std::popcount(node.child_mask));
             for (unsigned c = 0; c < children; ++c) new_index_[node.first_child + c] = next + c;
@@ -349,12 +92,11 @@ class HierarchyBuilder {
             for (unsigned c = children; c-- > 0;) stack.emplace_back(node.first_child + c, false);
         }
         for (std::size_t n = drafts_.size(); n-- > 0;) {
-            const DraftNode& node = drafts_[n];
+            const DraftCell& node = drafts_[n];
             for (int c = 0; c < std::popcount(node.child_mask); ++c) {
                 drafts_[n].cost += drafts_[node.first_child + unsigned(c)].cost;
             }
         }
-        kept_ = {};
     }
 
     /// Primitives lie in the user's order and are wanted in the hierarchy's: every one is a miss, unless asked for
@@ -391,7 +133,7 @@ class HierarchyBuilder {
         });
         if (all) return;
         for (std::size_t n = drafts_.size(); n-- > 0;) {
-            const DraftNode& node = drafts_[n];
+            const DraftCell& node = drafts_[n];
             std::array<ChildDraft<Draft>, 8> children;
             unsigned count = 0;
             for (unsigned mask = node.child_mask; mask != 0; mask &= mask - 1, ++count) {
@@ -413,7 +155,7 @@ class HierarchyBuilder {
         std::vector<std::uint32_t> data_index(count, no_data);
         for (std::size_t i = 0; i < count; ++i) {
             const std::uint32_t n = old_index[i];
-            const DraftNode& node = drafts_[n];
+            const DraftCell& node = drafts_[n];
             Node& out = parts_.nodes[i];
             out.first_item = first_item_[n];
             out.child_mask = node.child_mask;
@@ -469,13 +211,7 @@ class HierarchyBuilder {
     const Executor& executor_;
 
     Parts parts_;
-    std::vector<DraftNode> drafts_;  ///< level after level; parents before children
-    std::size_t level_begin_ = 0;
-    std::vector<Item> items_, next_items_;  ///< of this level and the next
-    std::vector<std::uint8_t> targets_;     ///< which children get an item; 0: it stays
-    std::vector<std::uint32_t> kept_;       ///< primitives in their last place, by level
-    std::vector<float> whole_cost_;         ///< shared items only
-    std::vector<std::uint32_t> cells_with_;
+    std::vector<DraftCell> drafts_;  ///< parents before children
     std::vector<std::uint32_t> new_index_, first_item_, end_item_;
 };
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "farfield/fingerprint.hpp"
 #include "farfield/hierarchy_builder.hpp"
 #include "farfield/hierarchy_parts.hpp"
 #include "farfield/policy.hpp"

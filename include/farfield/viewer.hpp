@@ -20,6 +20,8 @@
 #include <utility>
 #include <vector>
 
+#include "farfield/draw_queue.hpp"
+#include "farfield/fingerprint.hpp"
 #include "farfield/geometry/frustum.hpp"
 #include "farfield/policy.hpp"
 #include "farfield/spatial_hierarchy.hpp"
@@ -48,7 +50,7 @@ class Viewer {
     /// Throws std::invalid_argument if the span is not the one (by count; for hierarchies from files also by bounds)
     /// that the hierarchy, or an instance in it, was built from.
     Viewer(const H& hierarchy, std::span<const P> primitives, R& renderer)
-        : hierarchy_(hierarchy), primitives_(primitives), renderer_(renderer) {
+        : hierarchy_(hierarchy), primitives_(primitives), renderer_(renderer), queue_(renderer, stats_) {
         add_source(hierarchy, primitives);
         std::sort(sources_.begin(), sources_.end(), before);
     }
@@ -63,22 +65,19 @@ class Viewer {
     /// Draws into the renderer. Never throws but for memory.
     FrameStats frame(const View& view) {
         stats_ = {};
-        deferred_.clear();
-        deferred_views_.clear();
+        queue_.begin_frame();
         const Box& b = hierarchy_.bounds();
         const float diagonal = b.is_empty() ? 1.0f : std::sqrt(glm::dot(b.size(), b.size()));
         const LocalView local(view, hierarchy_.origin(), diagonal);
         renderer_.begin_frame(local);
-        renderer_.set_view(local);
+        queue_.set_view(local);
         enter(hierarchy_, primitives_, local, 0);
-        replay_deferred();
+        queue_.replay();
         renderer_.end_frame();
         return stats_;
     }
 
   private:
-    static constexpr bool defers = R::facts.far_field_order == Order::back_to_front;
-    static constexpr std::size_t batch = 256;
     /// A subtree that crosses the frustum's border is not culled any finer than this many items: see Exact.
     static constexpr std::uint32_t culling_pays_above = 128;
     /// Whether a cell is hidden is not asked for fewer items: the answer costs about as much as drawing ten.
@@ -101,11 +100,6 @@ class Viewer {
         std::uint64_t path;
         SourceState& state;
     };
-    struct Deferred {
-        std::uint32_t view;
-        Face face;
-    };
-
     static bool before(const SourceState& a, const SourceState& b) {
         const std::less<const void*> less;
         return a.hierarchy != b.hierarchy ? less(a.hierarchy, b.hierarchy) : less(a.primitives, b.primitives);
@@ -156,9 +150,8 @@ class Viewer {
             }
         }
         Visit<H2, P2> v{h, source_of(h, primitives, state.id), view, path, state};
-        if constexpr (defers) deferred_views_.push_back(view);
         visit(v, 0, h.root_cell(), h.item_count(), h.root_stand_in(), all_planes);
-        flush(v);
+        queue_.flush(v.source);
     }
 
     template <class V, class CellData>
@@ -242,34 +235,14 @@ class Viewer {
             Viewer& viewer;
             V& v;
             float splat_limit_px;
-            void operator()(const Face& face) const { viewer.add(v, face); }
-            void operator()(const Splat& splat) const { viewer.add(v, splat); }
+            void operator()(const Face& face) const { viewer.queue_.add(v.source, face); }
+            void operator()(const Splat& splat) const { viewer.queue_.add(v.source, splat); }
         };
-        float limit_px = 0;
-        if constexpr (R::facts.draws_splats && !defers) limit_px = renderer_.largest_splat_px();
         ++stats_.approximations;
         ++stats_.approximations_by_level[std::min<int>(cell.depth, FrameStats::max_levels - 1)];
         stats_.touched_bytes += sizeof data;
-        v.hierarchy.approximation_policy().stand_in(data, v.hierarchy.pool(), cell, v.view, Sink{*this, v, limit_px});
-    }
-
-    template <class V>
-    void add(V& v, const Face& face) {
-        ++stats_.faces;
-        if constexpr (defers) {
-            deferred_.push_back({std::uint32_t(deferred_views_.size() - 1), face});
-        } else {
-            faces_[face_count_++] = face;
-            // The far field keeps its order across kinds: a face never overtakes a splat.
-            if (splat_count_ != 0 || face_count_ == batch) flush(v);
-        }
-    }
-    template <class V>
-    void add(V& v, const Splat& splat) {
-        ++stats_.splats;
-        if (face_count_ != 0) flush(v);
-        splats_[splat_count_++] = splat;
-        if (splat_count_ == batch) flush(v);
+        v.hierarchy.approximation_policy().stand_in(data, v.hierarchy.pool(), cell, v.view,
+                                                    Sink{*this, v, queue_.splat_limit_px()});
     }
 
     /// Positions [first, end), of instances what they hold.
@@ -293,13 +266,12 @@ class Viewer {
 
     template <class V, class I>
     void draw_instance(V& v, const I& instance, std::uint64_t primitive) {
-        flush(v);
+        queue_.flush(v.source);
         ++stats_.instances;
         const LocalView inner = v.view.inside(instance.to_world, v.hierarchy.origin(), instance.hierarchy->origin());
-        renderer_.set_view(inner);
+        queue_.set_view(inner);
         enter(*instance.hierarchy, instance.primitives, inner, detail::mixed(v.path, primitive + 1));
-        renderer_.set_view(v.view);
-        if constexpr (defers) deferred_views_.push_back(v.view);
+        queue_.set_view(v.view);
     }
 
     /// Shared items are in several cells and are drawn once a frame.
@@ -319,71 +291,12 @@ class Viewer {
             std::uint32_t begin = first;
             for (std::uint32_t at = first; at < end; ++at) {
                 if (is_new(v, at)) continue;
-                add_run(v, begin, at);
+                queue_.add_run(v.source, begin, at);
                 begin = at + 1;
             }
             first = begin;
         }
-        add_run(v, first, end);
-    }
-
-    template <class V>
-    void add_run(V& v, std::uint32_t first, std::uint32_t end) {
-        if (first == end) return;
-        stats_.primitives += end - first;
-        if (range_count_ != 0 && ranges_[range_count_ - 1].first + ranges_[range_count_ - 1].count == first) {
-            ranges_[range_count_ - 1].count += end - first;
-            return;
-        }
-        ranges_[range_count_++] = {first, end - first};
-        if (range_count_ == batch) flush(v);
-    }
-
-    /// Geometry before stand-ins: primitives that wait come from before the stand-ins that wait, or from behind them,
-    /// where drawing them early changes nothing.
-    template <class V>
-    void flush(V& v) {
-        if (range_count_ != 0) {
-            if constexpr (R::facts.order == Order::any) merge_ranges();
-            stats_.runs += range_count_;
-            renderer_.draw(v.source, std::span<const Range>(ranges_.data(), std::exchange(range_count_, 0)));
-        }
-        if constexpr (R::facts.draws_splats) {
-            if (splat_count_ != 0) {
-                renderer_.draw(std::span<const Splat>(splats_.data(), std::exchange(splat_count_, 0)));
-            }
-        }
-        if constexpr (R::facts.draws_faces) {
-            if (face_count_ != 0) renderer_.draw(std::span<const Face>(faces_.data(), std::exchange(face_count_, 0)));
-        }
-    }
-
-    /// Cells come front to back, which tears neighbors in memory apart; the renderer does not mind their order.
-    void merge_ranges() {
-        const auto begin = ranges_.begin(), end = begin + std::ptrdiff_t(range_count_);
-        std::sort(begin, end, [](Range a, Range b) { return a.first < b.first; });
-        auto last = begin;
-        for (auto r = begin + 1; r != end; ++r) {
-            if (last->first + last->count == r->first) {
-                last->count += r->count;
-            } else {
-                *++last = *r;
-            }
-        }
-        range_count_ = std::size_t(last - begin) + 1;
-    }
-
-    void replay_deferred() {
-        if constexpr (defers && R::facts.draws_faces) {
-            for (std::size_t end = deferred_.size(); end > 0;) {
-                std::size_t count = 0;
-                const std::uint32_t view = deferred_[end - 1].view;
-                while (end > 0 && deferred_[end - 1].view == view && count < batch)
-                    faces_[count++] = deferred_[--end].face;
-                renderer_.set_view(deferred_views_[view]);
-                renderer_.draw(std::span<const Face>(faces_.data(), count));
-            }
-        }
+        queue_.add_run(v.source, first, end);
     }
 
     const H& hierarchy_;
@@ -391,12 +304,7 @@ class Viewer {
     R& renderer_;
     FrameStats stats_;
     std::vector<SourceState> sources_;  ///< sorted
-    std::array<Range, batch> ranges_;
-    std::array<Splat, batch> splats_;
-    std::array<Face, batch> faces_;
-    std::size_t range_count_ = 0, splat_count_ = 0, face_count_ = 0;
-    std::vector<Deferred> deferred_;
-    std::vector<LocalView> deferred_views_;
+    DrawQueue<R> queue_;
 };
 
 /// Prefer this to naming the type: where something is missing, compilers say what.

@@ -22,7 +22,9 @@ namespace farfield {
 /// `shared`: a primitive goes to every cell that it touches (the papers' way), is drawn once a frame by stamps, and its
 /// cost is shared among its cells. It costs broken runs and more indices; the bench has the figures.
 template <Assignment assigned>
-requires(assigned == unique || assigned == shared) struct BasicOctree {
+struct BasicOctree {
+    static_assert(assigned == unique || assigned == shared, "farfield::BasicOctree: an octree does not clip");
+
     /// Levels below the root; raising it lets crowded places be split further. Cells that single precision cannot tell
     /// apart are never split, whatever it says.
     std::uint32_t max_depth = 32;

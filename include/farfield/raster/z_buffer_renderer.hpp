@@ -21,6 +21,7 @@
 #include "farfield/raster/polygon_clip.hpp"
 #include "farfield/raster/sample_buffers.hpp"
 #include "farfield/raster/scan_conversion.hpp"
+#include "farfield/raster/shading.hpp"
 #include "farfield/raster/triangle_stream.hpp"
 #include "farfield/raster/triangle_triage.hpp"
 #include "farfield/renderer.hpp"
@@ -215,7 +216,7 @@ class ZBufferRenderer {
             const ColorPlane plane(t, doubled_area, to_.is_perspective);
             fill(t, doubled_area, light, [&](int x, int y) {
                 Rgba8 c = one_color ? colors[0] : plane.at(x, y, colors);
-                if (c.a != 255 && !covers(x, y, triangle, c)) c.a = 0;
+                if (c.a != 255 && !covered_by_hash(x, y, triangle, c.a)) c.a = 0;
                 return c;
             });
         }
@@ -250,35 +251,6 @@ class ZBufferRenderer {
             }
         });
     }
-
-    static bool covers(int x, int y, std::uint32_t triangle, Rgba8 color) {
-        std::uint32_t h = std::uint32_t(x) * 0x9e3779b1u ^ std::uint32_t(y) * 0x85ebca77u ^ triangle * 0xc2b2ae3du;
-        h = (h ^ h >> 15) * 0x2c1b3c6du;
-        h = (h ^ h >> 12) * 0x297a2d39u;
-        return (h >> 24) < color.a;
-    }
-
-    /// Colors at the corners, perspectively right between them.
-    struct ColorPlane {
-        const SnappedTriangle& t;
-        float weights[3];  ///< q at the corners, or 1
-        float inverse_area;
-
-        ColorPlane(const SnappedTriangle& triangle, std::int64_t doubled_area, bool perspective)
-            : t(triangle), inverse_area(1.0f / float(doubled_area)) {
-            for (int i = 0; i < 3; ++i) weights[i] = perspective ? t.q[i] : 1.0f;
-        }
-        Rgba8 at(int x, int y, const Rgba8 (&colors)[3]) const {
-            const float px = float(x) * 256 + 128, py = float(y) * 256 + 128;
-            const auto part = [&](int a, int b) {
-                return (float(t.x[b] - t.x[a]) * (py - float(t.y[a])) - float(t.y[b] - t.y[a]) * (px - float(t.x[a]))) *
-                       inverse_area;
-            };
-            const float w1 = part(2, 0) * weights[1], w2 = part(0, 1) * weights[2], w0 = part(1, 2) * weights[0];
-            return to_rgba8((to_vec4(colors[0]) * w0 + to_vec4(colors[1]) * w1 + to_vec4(colors[2]) * w2) *
-                            (1 / (w0 + w1 + w2)));
-        }
-    };
 
     /// As a polygon, sample by sample: adjoining faces leave no gap.
     void draw(const Face& face) {

@@ -1,0 +1,22 @@
+// Everything at once, for a first try. Every header can be included alone, and compiles faster so.
+#pragma once
+
+#include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/color_cube_cluster.hpp"
+#include "farfield/approximation/exact.hpp"
+#include "farfield/calibration.hpp"
+#include "farfield/cost/measured_time.hpp"
+#include "farfield/cost/triangle_count.hpp"
+#include "farfield/fwd.hpp"
+#include "farfield/geometry/triangle.hpp"
+#include "farfield/instance.hpp"
+#include "farfield/measure/coverage_error.hpp"
+#include "farfield/measure/image_error.hpp"
+#include "farfield/measure/ssim.hpp"
+#include "farfield/parallel.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/spatial_hierarchy.hpp"
+#include "farfield/storage/open.hpp"
+#include "farfield/storage/save.hpp"
+#include "farfield/viewer.hpp"

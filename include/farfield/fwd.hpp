@@ -1,0 +1,44 @@
+// Names without definitions, for headers that only mention them.
+#pragma once
+
+namespace farfield {
+
+template <class T>
+struct BasicBox;
+template <class T>
+struct BasicPolygon;
+struct Rgba8;
+struct Triangle;
+struct VertexColoredTriangle;
+struct Similarity;
+struct DirectionalLight;
+class GridSampler;
+
+struct Camera;
+struct View;
+struct LocalView;
+struct FrameStats;
+struct Cell;
+struct Work;
+
+template <class P>
+struct primitive_traits;
+template <class H, class P>
+struct Instance;
+
+enum Assignment : unsigned;
+template <Assignment assigned>
+struct BasicOctree;
+struct Exact;
+struct ColorCube;
+struct TriangleCount;
+struct MeasuredTime;
+
+struct BuildOptions;
+struct BuildReport;
+
+class Image;
+struct ZBufferOptions;
+class ZBufferRenderer;
+
+}  // namespace farfield

@@ -1,0 +1,43 @@
+// What color a covered sample gets, and whether a translucent triangle covers it.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec4.hpp>
+
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/raster/scan_conversion.hpp"
+
+namespace farfield {
+
+/// Alpha as coverage: which samples a triangle covers is decided by a hash of both, the same in every frame (after
+/// Wyman and McGuire 2017, "Hashed alpha testing"). On average alpha / 255 of them are.
+inline bool covered_by_hash(int x, int y, std::uint32_t triangle, std::uint8_t alpha) {
+    std::uint32_t h = std::uint32_t(x) * 0x9e3779b1u ^ std::uint32_t(y) * 0x85ebca77u ^ triangle * 0xc2b2ae3du;
+    h = (h ^ h >> 15) * 0x2c1b3c6du;
+    h = (h ^ h >> 12) * 0x297a2d39u;
+    return (h >> 24) < alpha;
+}
+
+/// Colors at the corners, perspectively right between them.
+struct ColorPlane {
+    const SnappedTriangle& t;
+    float weights[3];  ///< q at the corners, or 1
+    float inverse_area;
+
+    ColorPlane(const SnappedTriangle& triangle, std::int64_t doubled_area, bool perspective)
+        : t(triangle), inverse_area(1.0f / float(doubled_area)) {
+        for (int i = 0; i < 3; ++i) weights[i] = perspective ? t.q[i] : 1.0f;
+    }
+    Rgba8 at(int x, int y, const Rgba8 (&colors)[3]) const {
+        const float px = float(x) * 256 + 128, py = float(y) * 256 + 128;
+        const auto part = [&](int a, int b) {
+            return (float(t.x[b] - t.x[a]) * (py - float(t.y[a])) - float(t.y[b] - t.y[a]) * (px - float(t.x[a]))) *
+                   inverse_area;
+        };
+        const float w1 = part(2, 0) * weights[1], w2 = part(0, 1) * weights[2], w0 = part(1, 2) * weights[0];
+        return to_rgba8((to_vec4(colors[0]) * w0 + to_vec4(colors[1]) * w1 + to_vec4(colors[2]) * w2) *
+                        (1 / (w0 + w1 + w2)));
+    }
+};
+
+}  // namespace farfield
