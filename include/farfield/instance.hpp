@@ -34,25 +34,26 @@ struct Instance {
 
     template <class Sink>
     void polygons(Sink&& sink) const {
-        const auto placed = [&](const Polygon& polygon) {
-            glm::dvec3 vertices[64];
-            const std::size_t n = polygon.vertices.size() < 64 ? polygon.vertices.size() : 64;
-            for (std::size_t i = 0; i < n; ++i) {
-                vertices[i] = to_world.apply(glm::dvec3(polygon.vertices[i]) + hierarchy->origin());
-            }
-            sink(PolygonD{{vertices, n}, polygon.colors});
-        };
-        if (!hierarchy->root_polygons(placed)) {
-            for (const P& p : primitives) {
-                if constexpr (PrimitiveWithPolygons<P>) local_polygons(p, hierarchy->origin(), placed);
-            }
-        }
+        send(AnyPolygonSink(sink));
     }
 
     template <class F>
     bool visit_instance(F&& f) const {
         f(*this);
         return true;
+    }
+
+  private:
+    void send(const AnyPolygonSink& sink) const {
+        const auto placed = [&](const auto& polygon) {
+            map_polygon<double>(
+                polygon, [&](auto p) { return to_world.apply(glm::dvec3(p) + hierarchy->origin()); }, sink);
+        };
+        const AnyPolygonSink any(placed);
+        if (hierarchy->root_polygons(any)) return;
+        for (const P& p : primitives) {
+            if constexpr (PrimitiveWithPolygons<P>) local_polygons(p, hierarchy->origin(), any);
+        }
     }
 };
 

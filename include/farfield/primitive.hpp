@@ -110,40 +110,27 @@ Box local_bounds(const P& p, glm::dvec3 origin) {
     }
 }
 
-/// Calls sink(Polygon) with the primitive's polygons less the origin. Polygons of more than 64 vertices in double are
-/// passed on as fans; vertices in single precision pass through untouched where the origin is 0.
+/// Calls sink(Polygon) with the primitive's polygons less the origin; where that is 0, vertices in single precision
+/// pass through untouched. See map_polygon for what else may happen to them.
 template <PrimitiveWithPolygons P, class Sink>
 void local_polygons(const P& p, glm::dvec3 origin, Sink&& sink) {
-    const auto moved = [&](const auto& polygon) {
-        constexpr std::size_t capacity = 64;
-        const std::size_t n = polygon.vertices.size();
-        if (n < 3 || polygon.colors.empty()) return;
-        const bool one_color = polygon.colors.size() < n;
-        glm::vec3 vertices[capacity];
-        Rgba8 colors[capacity];
-        for (std::size_t first = 1; first + 1 < n;) {
-            const std::size_t count = n - first < capacity - 1 ? n - first : capacity - 1;
-            vertices[0] = glm::vec3(glm::dvec3(polygon.vertices[0]) - origin);
-            colors[0] = polygon.colors[0];
-            for (std::size_t i = 0; i < count; ++i) {
-                vertices[i + 1] = glm::vec3(glm::dvec3(polygon.vertices[first + i]) - origin);
-                colors[i + 1] = polygon.colors[one_color ? 0 : first + i];
-            }
-            sink(Polygon{{vertices, count + 1}, {colors, one_color ? 1 : count + 1}});
-            first += count - 1;
-        }
-    };
     struct Overloads {
-        decltype(moved)& move;
         Sink& sink;
-        bool at_origin;
+        glm::dvec3 origin;
         void operator()(const Polygon& polygon) const {
-            if (polygon.vertices.size() < 3 || polygon.colors.empty()) return;
-            at_origin ? void(sink(polygon)) : move(polygon);
+            if (origin != glm::dvec3(0)) {
+                moved(polygon);
+            } else if (polygon.vertices.size() >= 3 && !polygon.colors.empty()) {
+                sink(polygon);
+            }
         }
-        void operator()(const PolygonD& polygon) const { move(polygon); }
+        void operator()(const PolygonD& polygon) const { moved(polygon); }
+        void moved(const auto& polygon) const {
+            map_polygon<float>(
+                polygon, [&](auto v) { return glm::vec3(glm::dvec3(v) - origin); }, sink);
+        }
     };
-    primitive_traits<P>::polygons(p, Overloads{moved, sink, origin == glm::dvec3(0)});
+    primitive_traits<P>::polygons(p, Overloads{sink, origin});
 }
 
 }  // namespace farfield

@@ -1,6 +1,7 @@
 // What primitives are tessellated into: convex polygons, seen as spans, never owned.
 #pragma once
 
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>
 
@@ -19,5 +20,48 @@ struct BasicPolygon {
 
 using Polygon = BasicPolygon<float>;
 using PolygonD = BasicPolygon<double>;
+
+/// Calls sink(BasicPolygon<To>) with the polygon's vertices mapped, colors as they are; polygons of more than 64
+/// vertices come as several that fan out from the first vertex. What is no polygon (fewer than three vertices, no
+/// color) is dropped.
+template <class To, class From, class Map, class Sink>
+void map_polygon(const BasicPolygon<From>& polygon, Map&& map, Sink&& sink) {
+    constexpr std::size_t capacity = 64;
+    const std::size_t n = polygon.vertices.size();
+    if (n < 3 || polygon.colors.empty()) return;
+    const bool one_color = polygon.colors.size() < n;
+    glm::vec<3, To> vertices[capacity];
+    Rgba8 colors[capacity];
+    vertices[0] = map(polygon.vertices[0]);
+    colors[0] = polygon.colors[0];
+    for (std::size_t first = 1; first + 1 < n;) {
+        const std::size_t count = n - first < capacity - 1 ? n - first : capacity - 1;
+        for (std::size_t i = 0; i < count; ++i) {
+            vertices[i + 1] = map(polygon.vertices[first + i]);
+            colors[i + 1] = polygon.colors[one_color ? 0 : first + i];
+        }
+        sink(BasicPolygon<To>{{vertices, count + 1}, {colors, one_color ? 1 : count + 1}});
+        first += count - 1;
+    }
+}
+
+/// Any sink of polygons, borrowed, its type forgotten: where primitives hold primitives of their own type, passing a
+/// sink down by its type would make a new type at every level, without end.
+class AnyPolygonSink {
+  public:
+    template <class Sink>
+    explicit AnyPolygonSink(Sink& sink)
+        : sink_(&sink),
+          single_([](const void* s, const Polygon& p) { (*static_cast<Sink*>(const_cast<void*>(s)))(p); }),
+          double_([](const void* s, const PolygonD& p) { (*static_cast<Sink*>(const_cast<void*>(s)))(p); }) {}
+
+    void operator()(const Polygon& polygon) const { single_(sink_, polygon); }
+    void operator()(const PolygonD& polygon) const { double_(sink_, polygon); }
+
+  private:
+    const void* sink_;
+    void (*single_)(const void*, const Polygon&);
+    void (*double_)(const void*, const PolygonD&);
+};
 
 }  // namespace farfield
