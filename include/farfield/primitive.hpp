@@ -110,27 +110,34 @@ Box local_bounds(const P& p, glm::dvec3 origin) {
     }
 }
 
+namespace detail {
+template <class Sink>
+struct LocalPolygonSink {
+    Sink& sink;
+    glm::dvec3 origin;
+
+    void operator()(const Polygon& polygon) const {
+        if (origin != glm::dvec3(0)) {
+            moved(polygon);
+        } else if (polygon.vertices.size() >= 3 && !polygon.colors.empty()) {
+            sink(polygon);
+        }
+    }
+    void operator()(const PolygonD& polygon) const { moved(polygon); }
+
+  private:
+    void moved(const auto& polygon) const {
+        map_polygon<float>(
+            polygon, [&](auto v) { return glm::vec3(glm::dvec3(v) - origin); }, sink);
+    }
+};
+}  // namespace detail
+
 /// Calls sink(Polygon) with the primitive's polygons less the origin; where that is 0, vertices in single precision
 /// pass through untouched. See map_polygon for what else may happen to them.
 template <PrimitiveWithPolygons P, class Sink>
 void local_polygons(const P& p, glm::dvec3 origin, Sink&& sink) {
-    struct Overloads {
-        Sink& sink;
-        glm::dvec3 origin;
-        void operator()(const Polygon& polygon) const {
-            if (origin != glm::dvec3(0)) {
-                moved(polygon);
-            } else if (polygon.vertices.size() >= 3 && !polygon.colors.empty()) {
-                sink(polygon);
-            }
-        }
-        void operator()(const PolygonD& polygon) const { moved(polygon); }
-        void moved(const auto& polygon) const {
-            map_polygon<float>(
-                polygon, [&](auto v) { return glm::vec3(glm::dvec3(v) - origin); }, sink);
-        }
-    };
-    primitive_traits<P>::polygons(p, Overloads{sink, origin});
+    primitive_traits<P>::polygons(p, detail::LocalPolygonSink<std::remove_reference_t<Sink>>{sink, origin});
 }
 
 }  // namespace farfield
