@@ -1,21 +1,15 @@
-// What does each kind of work cost on this machine, with this renderer? Shade et al. 1996, section 3.3, measure likewise
-// before the walkthrough starts. The only header that looks at a clock.
+// What does each kind of work cost on this machine, with this renderer? Shade et al. 1996, section 3.3, measure
+// likewise before the walkthrough starts. The only header that looks at a clock.
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <span>
-#include <stdexcept>
-#include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -24,6 +18,7 @@
 #include "farfield/cost/triangle_count.hpp"
 #include "farfield/geometry/triangle.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/storage/prices.hpp"
 #include "farfield/viewer.hpp"
 
 namespace farfield {
@@ -42,11 +37,10 @@ inline LocalView calibration_view() {
     return LocalView(View{.camera = camera}, glm::dvec3(0), 4 * calibration_half_side);
 }
 
-/// Where the i-th of n x n things goes, row by row.
-inline glm::vec3 calibration_place(std::size_t i, std::size_t n) {
-    const float step = 2 * calibration_half_side / float(n);
-    return {(float(i % n) + 0.5f) * step - calibration_half_side, (float(i / n) + 0.5f) * step - calibration_half_side,
-            0};
+/// Where the i-th of n x n things goes that lie `step` apart, row by row about the center.
+inline glm::vec3 calibration_place(std::size_t i, std::size_t n, float step) {
+    const float first = 0.5f * (step - float(n) * step);
+    return {first + float(i % n) * step, first + float(i / n) * step, 0};
 }
 
 /// What the second frame takes longer than the first. They take turns, so that a change of clock rate meets both, and
@@ -64,8 +58,9 @@ double extra_nanoseconds(const CalibrationOptions& options, Frame&& few, OtherFr
     few();
     std::vector<double> differences;
     const auto start = Clock::now();
-    while (differences.size() < 3 || (int(differences.size()) < options.repetitions &&
-                                      std::chrono::duration<double>(Clock::now() - start).count() < options.seconds / kinds)) {
+    while (differences.size() < 3 ||
+           (int(differences.size()) < options.repetitions &&
+            std::chrono::duration<double>(Clock::now() - start).count() < options.seconds / kinds)) {
         const double without = nanoseconds(few);
         differences.push_back(nanoseconds(many) - without);
     }
@@ -157,10 +152,10 @@ class Calibration {
         };
     }
 
-    static std::vector<Triangle> triangles(std::size_t n, float side, std::size_t every) {
+    static std::vector<Triangle> triangles(std::size_t n, float step, float side, std::size_t every) {
         std::vector<Triangle> all;
         for (std::size_t i = 0; i < n * n; i += every) {
-            const glm::vec3 p = calibration_place(i, n) - glm::vec3(side / 3, side / 3, 0);
+            const glm::vec3 p = calibration_place(i, n, step) - glm::vec3(side / 3, side / 3, 0);
             all.push_back({{p, p + glm::vec3(side, 0, 0), p + glm::vec3(0, side, 0)}, {90, 120, 150, 255}});
         }
         return all;
@@ -168,7 +163,8 @@ class Calibration {
 
     /// Few and many draw into the same part of the picture: clearing and showing it cancels out.
     float triangle_price(std::size_t n, float side) {
-        const Paged many(renderer_, triangles(n, side, 1)), few(renderer_, triangles(n, side, 8));
+        const float step = 2 * calibration_half_side / float(n);
+        const Paged many(renderer_, triangles(n, step, side, 1)), few(renderer_, triangles(n, step, side, 8));
         const auto all_of = [this](const Paged& p) {
             const Range range{0, p.source().item_count};
             renderer_.draw(p.source(), std::span(&range, 1));
@@ -178,28 +174,33 @@ class Calibration {
         return price(extra_nanoseconds(options_, frame(draw_few), frame(draw_many)), n * n - n * n / 8);
     }
 
-    /// The same number of triangles in one run and in many, handed over as a Viewer does.
+    /// The same triangles in one run and in many, handed over as a Viewer does.
     float run_price() {
-        constexpr std::uint32_t runs = 4096, length = 8, batch = 256;
-        const Paged small(renderer_, triangles(256, 0.6f, 1));
+        constexpr std::uint32_t length = 11, batch = 256;  // not a multiple of what renderers take at a step
+        // Hardly any holds a sample, and all are near each other, so that little else takes time.
+        const Paged small(renderer_, triangles(256, 0.25f, 0.05f, 1));
+        const Range whole{0, small.source().item_count};
         std::vector<Range> ranges;
-        for (std::uint32_t i = 0; i < runs; ++i) ranges.push_back({16 * i + 3, length});
-        const Range whole{0, runs * length};
+        for (std::uint32_t first = 0; first < whole.count; first += length) {
+            ranges.push_back({first, std::min(length, whole.count - first)});
+        }
         const auto draw_one = [&] { renderer_.draw(small.source(), std::span(&whole, 1)); };
         const auto draw_many = [&] {
-            for (std::size_t i = 0; i < runs; i += batch) {
-                renderer_.draw(small.source(), std::span<const Range>(ranges).subspan(i, batch));
+            for (std::size_t i = 0; i < ranges.size(); i += batch) {
+                const std::span<const Range> rest = std::span<const Range>(ranges).subspan(i);
+                renderer_.draw(small.source(), rest.first(std::min<std::size_t>(batch, rest.size())));
             }
         };
-        return price(extra_nanoseconds(options_, frame(draw_one), frame(draw_many)), runs);
+        return price(extra_nanoseconds(options_, frame(draw_one), frame(draw_many)), ranges.size());
     }
 
+    /// Things about a pixel wide, side by side: that is when cells stand in, and how they come.
     template <class Drawn, class Make>
     float far_field_price(Make&& make) {
         constexpr std::size_t n = 128;
         std::vector<Drawn> many, few;
         for (std::size_t i = 0; i < n * n; ++i) {
-            many.push_back(make(calibration_place(i, n)));
+            many.push_back(make(calibration_place(i, n, 1.25f)));
             if (i % 8 == 0) few.push_back(many.back());
         }
         const auto draw_few = [&] { renderer_.draw(std::span<const Drawn>(few)); };
@@ -217,7 +218,8 @@ class Calibration {
         }
         // Orthographic: every cell of a level has the same error, and the lowest level alone is within tolerance.
         constexpr double half = double(side) / 2;
-        View view{.camera = Camera::orthographic({half, half, 4 * half}, {half, half, half}, {0, 1, 0}, 4 * float(half))};
+        View view{.camera =
+                      Camera::orthographic({half, half, 4 * half}, {half, half, half}, {0, 1, 0}, 4 * float(half))};
         view.tolerance_px = 1.5f * float(view.height) / (4 * float(half));
         const auto unseen = hierarchy<Unseen>(scene, 5), few = hierarchy<Unseen>(scene, 2);
         const auto seen = hierarchy<ColorCube>(scene, 5);
@@ -249,3 +251,13 @@ class Calibration {
 };
 
 }  // namespace detail
+
+/// Prices for builds that are to pay on this machine, with this renderer and its options (samples, light). A renderer
+/// whose end_frame returns before the picture is done must wait in it. What the renderer does not draw, and images and
+/// texels, keep MeasuredTime's defaults; all prices are positive and finite. Leaves another picture in the renderer.
+template <class R>
+requires Renderer<R, Triangle> MeasuredTime calibrate(R& renderer, const CalibrationOptions& options = {}) {
+    return detail::Calibration<R>(renderer, options).prices();
+}
+
+}  // namespace farfield

@@ -73,6 +73,7 @@ class Viewer {
         queue_.set_view(local);
         enter(hierarchy_, primitives_, local, 0);
         queue_.replay();
+        stats_.touched_bytes += stats_.cells_visited * sizeof(Node);
         renderer_.end_frame();
         return stats_;
     }
@@ -249,6 +250,7 @@ class Viewer {
     template <class V>
     void draw_items(V& v, std::uint32_t first, std::uint32_t end) {
         using P2 = std::remove_cvref_t<decltype(v.source[0])>;
+        if (!v.source.order.empty()) stats_.touched_bytes += std::uint64_t(end - first) * sizeof(std::uint32_t);
         if constexpr (PrimitiveWithInstance<P2>) {
             std::uint32_t begin = first;
             for (std::uint32_t at = first; at < end; ++at) {

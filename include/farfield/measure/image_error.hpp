@@ -18,7 +18,7 @@ namespace farfield {
 /// stored, in [0, 1]: 0 for equal pictures, 1 for black against white. Symmetric. Alpha is not compared: draw
 /// both over the same background, see coverage_error.hpp for pictures without one. Throws as `compared_rect`
 /// does.
-inline double mse(const Image& variant, const Image& reference, std::optional<PixelRect> rect = {}) {
+inline double mse(const Image& variant, const Image& reference, const std::optional<PixelRect>& rect = {}) {
     const PixelRect r = compared_rect(variant, reference, rect);
     const auto squared = [](std::uint8_t a, std::uint8_t b) {
         const std::int64_t difference = std::int64_t{a} - std::int64_t{b};
@@ -38,13 +38,13 @@ inline double mse(const Image& variant, const Image& reference, std::optional<Pi
 }
 
 /// Square root of `mse`, in the unit of a channel.
-inline double rmse(const Image& variant, const Image& reference, std::optional<PixelRect> rect = {}) {
+inline double rmse(const Image& variant, const Image& reference, const std::optional<PixelRect>& rect = {}) {
     return std::sqrt(mse(variant, reference, rect));
 }
 
 /// Peak signal-to-noise ratio in decibels, for channels whose peak is 1: 0 for black against white, larger is
 /// better, +infinity for equal pictures.
-inline double psnr(const Image& variant, const Image& reference, std::optional<PixelRect> rect = {}) {
+inline double psnr(const Image& variant, const Image& reference, const std::optional<PixelRect>& rect = {}) {
     const double error = mse(variant, reference, rect);
     return error > 0 ? -10.0 * std::log10(error) : std::numeric_limits<double>::infinity();
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -17,37 +18,55 @@ namespace farfield {
 /// same point and stay watertight.
 class ClippedPolygon {
   public:
+    /// Cut points are computed in double: a ground of kilometers under an eye a hand above it is tilted by more than
+    /// that in single precision. Corners that stay are snapped as everywhere else, or they would part from their
+    /// neighbors.
     struct Vertex {
-        glm::vec3 p{0};      ///< SampleProjection::project
-        glm::vec4 color{0};  ///< whatever varies linearly over the polygon
+        glm::dvec3 p{0};       ///< as SampleProjection::project gives it
+        glm::vec3 rounded{0};  ///< likewise, of a corner that was not cut
+        glm::vec4 color{0};    ///< whatever varies linearly over the polygon
+        bool is_cut = false;
     };
     static constexpr std::size_t largest_input = 64;
 
-    void add(glm::vec3 projected, glm::vec4 color = glm::vec4(0)) {
-        if (count_ < largest_input) vertices_[count_++] = {projected, color};
+    /// Local coordinates.
+    void add(glm::vec3 corner, const SampleProjection& to, glm::vec4 color = glm::vec4(0)) {
+        if (count_ == largest_input) return;
+        const glm::dvec3 d = glm::dvec3(corner) - glm::dvec3(to.eye);
+        const glm::dvec3 p(glm::dot(glm::dvec3(to.right), d), glm::dot(glm::dvec3(to.down), d),
+                           glm::dot(glm::dvec3(to.forward), d));
+        vertices_[count_++] = {p, to.project(corner), color, false};
     }
 
     /// Afterwards all that is left lies in front of the near plane and inside the guard band.
     void clip(const SampleProjection& to) {
-        if (std::isfinite(to.near_depth)) cut([&](glm::vec3 p) { return p.z - to.near_depth; });
-        const float guard = SampleProjection::guard_band * 256;
-        const auto w = [&](glm::vec3 p) { return guard * (p.z * to.depth_weight + to.depth_bias); };
-        cut([&](glm::vec3 p) { return w(p) - p.x; });
-        cut([&](glm::vec3 p) { return w(p) + p.x; });
-        cut([&](glm::vec3 p) { return w(p) - p.y; });
-        cut([&](glm::vec3 p) { return w(p) + p.y; });
+        if (std::isfinite(to.near_depth)) cut([&](const glm::dvec3& p) { return p.z - double(to.near_depth); });
+        const auto w = [&](const glm::dvec3& p) {
+            return double(SampleProjection::guard_band * 256) * (p.z * double(to.depth_weight) + double(to.depth_bias));
+        };
+        cut([&](const glm::dvec3& p) { return w(p) - p.x; });
+        cut([&](const glm::dvec3& p) { return w(p) + p.x; });
+        cut([&](const glm::dvec3& p) { return w(p) - p.y; });
+        cut([&](const glm::dvec3& p) { return w(p) + p.y; });
     }
 
     std::size_t size() const { return count_; }
     const Vertex& operator[](std::size_t i) const { return vertices_[i]; }
 
-    /// Corner `corner` of a triangle, snapped as TriagedBlock is.
+    /// Corner `corner` of a triangle, as triage() and snapping would have it.
     void snap(std::size_t vertex, const SampleProjection& to, SnappedTriangle& t, unsigned corner) const {
-        const glm::vec3 p = vertices_[vertex].p;
-        const float inverse = to.inverse_w(p.z);
-        t.x[corner] = snapped_to_256th(p.x * inverse + to.offset_x);
-        t.y[corner] = snapped_to_256th(p.y * inverse + to.offset_y);
-        t.q[corner] = to.q(p.z, inverse);
+        const Vertex& v = vertices_[vertex];
+        if (v.is_cut) {
+            const double inverse = 1.0 / (v.p.z * double(to.depth_weight) + double(to.depth_bias));
+            t.x[corner] = snapped_to_256th(float(v.p.x * inverse + double(to.offset_x)));
+            t.y[corner] = snapped_to_256th(float(v.p.y * inverse + double(to.offset_y)));
+            t.q[corner] = float(inverse * double(to.q_of_inverse) + v.p.z * double(to.q_of_depth));
+        } else {
+            const float inverse = to.inverse_w(v.rounded.z);
+            t.x[corner] = snapped_to_256th(v.rounded.x * inverse + to.offset_x);
+            t.y[corner] = snapped_to_256th(v.rounded.y * inverse + to.offset_y);
+            t.q[corner] = to.q(v.rounded.z, inverse);
+        }
     }
 
   private:
@@ -58,14 +77,13 @@ class ClippedPolygon {
         for (std::size_t i = 0; i < count_; ++i) {
             const Vertex& a = vertices_[i];
             const Vertex& b = vertices_[i + 1 < count_ ? i + 1 : 0];
-            const float da = inside(a.p), db = inside(b.p);
+            const double da = inside(a.p), db = inside(b.p);
             if (da >= 0) out[n++] = a;
             if ((da >= 0) == (db >= 0)) continue;
             const Vertex& in = da >= 0 ? a : b;
             const Vertex& beyond = da >= 0 ? b : a;
-            const float d_in = da >= 0 ? da : db, d_beyond = da >= 0 ? db : da;
-            const float t = d_in / (d_in - d_beyond);
-            out[n++] = {in.p + (beyond.p - in.p) * t, in.color + (beyond.color - in.color) * t};
+            const double t = (da >= 0 ? da : db) / std::abs(da - db);
+            out[n++] = {in.p + (beyond.p - in.p) * t, {}, in.color + (beyond.color - in.color) * float(t), true};
         }
         count_ = n;
         for (std::size_t i = 0; i < n; ++i) vertices_[i] = out[i];

@@ -1,7 +1,9 @@
 // What color a covered sample gets, and whether a translucent triangle covers it.
 #pragma once
 
+#include <bit>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
 #include "farfield/geometry/rgba8.hpp"
@@ -9,10 +11,20 @@
 
 namespace farfield {
 
+/// A number that goes with a triangle wherever it lies in memory and whichever corner comes first.
+inline std::uint32_t hash_of_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+    const auto hash = [](glm::vec3 p) {
+        std::uint32_t h = std::bit_cast<std::uint32_t>(p.x) * 0x9e3779b1u;
+        h = (h ^ h >> 15 ^ std::bit_cast<std::uint32_t>(p.y)) * 0x85ebca77u;
+        return (h ^ h >> 13 ^ std::bit_cast<std::uint32_t>(p.z)) * 0xc2b2ae3du;
+    };
+    return hash(a) + hash(b) + hash(c);
+}
+
 /// Alpha as coverage: which samples a triangle covers is decided by a hash of both, the same in every frame (after
-/// Wyman and McGuire 2017, "Hashed alpha testing"). On average alpha / 255 of them are.
-inline bool covered_by_hash(int x, int y, std::uint32_t triangle, std::uint8_t alpha) {
-    std::uint32_t h = std::uint32_t(x) * 0x9e3779b1u ^ std::uint32_t(y) * 0x85ebca77u ^ triangle * 0xc2b2ae3du;
+/// Wyman and McGuire 2017, "Hashed alpha testing"). On average alpha / 256 of them are.
+inline bool covered_by_hash(int x, int y, std::uint32_t triangle_hash, std::uint8_t alpha) {
+    std::uint32_t h = std::uint32_t(x) * 0x9e3779b1u ^ std::uint32_t(y) * 0x85ebca77u ^ triangle_hash;
     h = (h ^ h >> 15) * 0x2c1b3c6du;
     h = (h ^ h >> 12) * 0x297a2d39u;
     return (h >> 24) < alpha;

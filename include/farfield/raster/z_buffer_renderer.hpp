@@ -176,7 +176,7 @@ class ZBufferRenderer {
         ClippedPolygon polygon;
         const Rgba8* colors = stream.colors(triangle);
         for (unsigned c = 0; c < 3; ++c) {
-            polygon.add(to_.project(stream.vertex(triangle, c)), to_vec4(colors[stream.several_colors() ? c : 0]));
+            polygon.add(stream.vertex(triangle, c), to_, to_vec4(colors[stream.several_colors() ? c : 0]));
         }
         polygon.clip(to_);
         for (std::size_t i = 2; i < polygon.size(); ++i) {
@@ -214,9 +214,11 @@ class ZBufferRenderer {
             fill(t, doubled_area, light, [&](int, int) { return colors[0]; });
         } else {
             const ColorPlane plane(t, doubled_area, to_.is_perspective);
+            const std::uint32_t hash =
+                hash_of_triangle(stream.vertex(triangle, 0), stream.vertex(triangle, 1), stream.vertex(triangle, 2));
             fill(t, doubled_area, light, [&](int x, int y) {
                 Rgba8 c = one_color ? colors[0] : plane.at(x, y, colors);
-                if (c.a != 255 && !covered_by_hash(x, y, triangle, c.a)) c.a = 0;
+                if (c.a != 255 && !covered_by_hash(x, y, hash, c.a)) c.a = 0;
                 return c;
             });
         }
@@ -261,7 +263,7 @@ class ZBufferRenderer {
             glm::vec3 p = face.lower;
             if (corner == 1 || corner == 2) p[u] = face.upper[u];
             if (corner >= 2) p[v] = face.upper[v];
-            polygon.add(to_.project(p));
+            polygon.add(p, to_);
         }
         polygon.clip(to_);
         const float alpha = float(face.rgba.a) * (1 / 255.0f);

@@ -29,7 +29,9 @@ class ReplacingFile {
         // Somebody else may be saving to the same place, or have been stopped while doing so: their file is left alone.
         for (int attempt = 0; attempt < 100 && file_ == nullptr; ++attempt) {
             temporary_ = target;
-            temporary_ += "." + std::to_string(attempt) + ".part";
+            temporary_ += ".";
+            temporary_ += std::to_string(attempt);
+            temporary_ += ".part";
             file_ = std::fopen(temporary_.string().c_str(), "wbx");
             if (file_ == nullptr && errno != EEXIST) fail("cannot create " + temporary_.filename().string());
         }

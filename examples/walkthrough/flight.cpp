@@ -1,0 +1,158 @@
+#include "flight.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "ground.hpp"
+
+namespace walkthrough {
+namespace {
+
+using farfield::Camera;
+
+constexpr float field_of_view = std::numbers::pi_v<float> / 3;
+
+Camera camera(glm::vec3 eye, glm::vec3 target, const FrameOfReference& frame) {
+    return Camera::perspective(glm::dvec3(eye), glm::dvec3(target), frame.up, field_of_view);
+}
+
+/// Of a uniform cubic B-spline through a closed ring of control points; t from 0 to the number of points.
+template <std::size_t n>
+glm::vec3 on_spline(const std::array<glm::vec3, n>& ring, float t) {
+    const auto first = std::size_t(t);
+    const float u = t - float(first);
+    const auto p = [&](std::size_t i) { return ring[(first + i) % n]; };
+    const float v = 1 - u;
+    return (p(0) * (v * v * v) + p(1) * (3 * u * u * u - 6 * u * u + 4) +
+            p(2) * (-3 * u * u * u + 3 * u * u + 3 * u + 1) + p(3) * (u * u * u)) *
+           (1.0f / 6);
+}
+
+/// Where things are: the middle of what is placed, or else of the triangles, and its spread.
+struct Whereabouts {
+    glm::vec2 middle{0};
+    float spread = 1;  ///< root mean square distance from the middle
+
+    Whereabouts(const farfield::scenes::Group& root, const FrameOfReference& frame) {
+        const auto each = [&](auto&& f) {
+            for (const auto& p : root.placements) f(frame.plan(glm::vec3(p.to_parent[3])));
+            if (!root.placements.empty()) return;
+            for (const auto& t : root.triangles) f(frame.plan(t.vertices[0]));
+        };
+        glm::dvec2 sum(0);
+        double count = 0, squares = 0;
+        each([&](glm::vec2 p) { sum += glm::dvec2(p), ++count; });
+        middle = glm::vec2(sum / count);
+        each([&](glm::vec2 p) { squares += double(glm::dot(p - middle, p - middle)); });
+        if (squares > 0) spread = float(std::sqrt(squares / count));
+    }
+};
+
+constexpr std::size_t ring_size = 8;
+constexpr float ring_step = 2 * std::numbers::pi_v<float> / ring_size;
+
+glm::vec2 direction(float angle) {
+    return {std::sin(angle), std::cos(angle)};
+}
+
+/// Through a wide scene, between its rim and its middle, over its ground.
+std::vector<Camera> fly_over(const Setting& setting, const FrameOfReference& frame, int frames) {
+    const Ground ground(setting.scene, frame);
+    const Whereabouts where(setting.scene.groups.back(), frame);
+    std::array<glm::vec3, ring_size> ring;
+    for (std::size_t i = 0; i < ring_size; ++i) {
+        constexpr float radii[] = {4.0f, 1.3f, 0.5f, 1.3f}, heights[] = {0.80f, 0.20f, 0.10f, 0.20f};
+        const glm::vec2 plan = where.middle + where.spread * radii[i % 4] * direction(ring_step * float(i));
+        ring[i] = frame.at(plan, ground.height(plan) + where.spread * heights[i % 4]);
+    }
+    const float least_height = 0.02f * where.spread;
+    std::vector<Camera> cameras;
+    for (int i = 0; i < frames; ++i) {
+        const float t = float(ring_size) * float(i) / float(frames);
+        glm::vec3 eye = on_spline(ring, t);
+        const float height = std::max(frame.height(eye), ground.height(frame.plan(eye)) + least_height);
+        eye = frame.at(frame.plan(eye), height);
+        // Ahead, and the farther off the more to the middle, where there is something to see.
+        const glm::vec2 ahead = frame.plan(on_spline(ring, t + 1.2f));
+        const float away = glm::length(frame.plan(eye) - where.middle);
+        const glm::vec2 target = glm::mix(ahead, where.middle, away / (away + where.spread));
+        cameras.push_back(camera(eye, frame.at(target, ground.height(target)), frame));
+    }
+    return cameras;
+}
+
+/// Around a scene that is about as high as wide, now near, now far.
+std::vector<Camera> fly_around(const Setting& setting, const FrameOfReference& frame, int frames) {
+    const glm::vec3 center = setting.bounds.center();
+    const float half = 0.5f * setting.bounds.largest_side();
+    const float radius = half > 0 ? half : 1.0f;
+    std::array<glm::vec3, ring_size> ring;
+    for (std::size_t i = 0; i < ring_size; ++i) {
+        constexpr float radii[] = {1.3f, 3.0f, 9.0f, 3.0f}, heights[] = {0.1f, 0.5f, 1.5f, 0.0f};
+        const glm::vec2 plan = direction(ring_step * float(i)) * radius * radii[i % 4];
+        ring[i] = center + frame.at(plan, radius * heights[i % 4]);
+    }
+    std::vector<Camera> cameras;
+    for (int i = 0; i < frames; ++i) {
+        cameras.push_back(camera(on_spline(ring, float(ring_size) * float(i) / float(frames)), center, frame));
+    }
+    return cameras;
+}
+
+Camera look_at_center(const Setting& setting, const FrameOfReference& frame, double distance, double angle_degrees) {
+    const glm::dvec3 center(setting.bounds.center());
+    const double half = 0.5 * double(setting.bounds.largest_side());
+    const double angle = angle_degrees * std::numbers::pi / 180;
+    const glm::dvec3 off = glm::dvec3(frame.right) * std::sin(angle) + glm::dvec3(frame.front) * std::cos(angle);
+    return Camera::perspective(center + off * (distance * (half > 0 ? half : 1.0)), center, frame.up, field_of_view);
+}
+
+}  // namespace
+
+Flight plan_flight(const Setting& setting, const Options& options) {
+    const FrameOfReference frame(setting.scene.up);
+    Flight flight;
+    if (options.distance) {
+        flight.cameras.assign(std::size_t(options.frames),
+                              look_at_center(setting, frame, *options.distance, options.angle_degrees));
+        flight.quality_frames = {0};
+        return flight;
+    }
+    const glm::vec3 size = setting.bounds.size();
+    const glm::vec3 absolute_up = glm::abs(frame.up);
+    const float tall = glm::dot(size, absolute_up), wide = glm::dot(size, (glm::vec3(1) - absolute_up) * 0.5f);
+    flight.cameras =
+        wide > 2 * tall ? fly_over(setting, frame, options.frames) : fly_around(setting, frame, options.frames);
+    const int pictures = std::min(options.frames, 8);
+    for (int i = 0; i < pictures; ++i) {
+        flight.quality_frames.push_back(int(std::int64_t(i) * options.frames / pictures));
+    }
+    return flight;
+}
+
+std::optional<farfield::PixelRect> projected_rect(const farfield::Box& box, const farfield::View& view) {
+    const Camera& c = view.camera;
+    const double focal_px = 0.5 * double(view.height) / double(c.half_height);
+    glm::dvec2 lower(1e9), upper(-1e9);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
+                           corner & 4 ? box.upper.z : box.lower.z);
+        const glm::dvec3 d = p - c.eye;
+        const double depth = glm::dot(d, glm::dvec3(c.forward));
+        if (!(depth > 0)) return std::nullopt;
+        const glm::dvec2 at(glm::dot(d, glm::dvec3(c.right)), -glm::dot(d, glm::dvec3(c.up)));
+        const glm::dvec2 px = at * (focal_px / depth) + 0.5 * glm::dvec2(view.width, view.height);
+        lower = glm::min(lower, px);
+        upper = glm::max(upper, px);
+    }
+    const glm::dvec2 whole(view.width, view.height);
+    lower = glm::clamp(glm::floor(lower), glm::dvec2(0), whole - 1.0);
+    upper = glm::clamp(glm::ceil(upper), lower + 1.0, whole);
+    return farfield::PixelRect{int(lower.x), int(lower.y), int(upper.x), int(upper.y)};
+}
+
+}  // namespace walkthrough

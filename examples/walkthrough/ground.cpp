@@ -1,0 +1,60 @@
+#include "ground.hpp"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <limits>
+
+namespace walkthrough {
+
+Ground::Ground(const farfield::scenes::Scene& scene, const FrameOfReference& frame) {
+    const auto& triangles = scene.groups.back().triangles;
+    glm::vec2 lower(std::numeric_limits<float>::infinity()), upper(-lower);
+    lowest_ = std::numeric_limits<float>::infinity();
+    for (const auto& t : triangles) {
+        for (const glm::vec3& v : t.vertices) {
+            lower = glm::min(lower, frame.plan(v));
+            upper = glm::max(upper, frame.plan(v));
+            lowest_ = std::min(lowest_, frame.height(v));
+        }
+    }
+    if (triangles.empty()) {
+        lowest_ = frame.height(farfield::scenes::bounds(scene).lower);
+        return;
+    }
+    lower_ = lower;
+    squares_per_unit_ = float(squares) / glm::max(upper - lower, glm::vec2(std::numeric_limits<float>::min()));
+    heights_.assign(std::size_t(squares) * squares, lowest_);
+    for (const auto& t : triangles) raise(t, frame);
+}
+
+float Ground::height(glm::vec2 plan) const {
+    if (heights_.empty()) return lowest_;
+    const glm::ivec2 at = square_of(plan);
+    float highest = lowest_;
+    for (int y = std::max(at.y - 1, 0); y <= std::min(at.y + 1, squares - 1); ++y) {
+        for (int x = std::max(at.x - 1, 0); x <= std::min(at.x + 1, squares - 1); ++x) {
+            highest = std::max(highest, heights_[std::size_t(y) * squares + std::size_t(x)]);
+        }
+    }
+    return highest;
+}
+
+glm::ivec2 Ground::square_of(glm::vec2 plan) const {
+    return glm::ivec2(glm::clamp((plan - lower_) * squares_per_unit_, glm::vec2(0), glm::vec2(squares - 1)));
+}
+
+void Ground::raise(const farfield::VertexColoredTriangle& triangle, const FrameOfReference& frame) {
+    const auto& [a, b, c] = triangle.vertices;
+    const glm::vec2 pa = frame.plan(a), pb = frame.plan(b), pc = frame.plan(c);
+    const float height = std::max({frame.height(a), frame.height(b), frame.height(c)});
+    const glm::ivec2 first = square_of(glm::min(pa, glm::min(pb, pc)));
+    const glm::ivec2 last = square_of(glm::max(pa, glm::max(pb, pc)));
+    for (int y = first.y; y <= last.y; ++y) {
+        for (int x = first.x; x <= last.x; ++x) {
+            float& highest = heights_[std::size_t(y) * squares + std::size_t(x)];
+            highest = std::max(highest, height);
+        }
+    }
+}
+
+}  // namespace walkthrough

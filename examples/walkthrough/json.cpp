@@ -1,0 +1,69 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "result.hpp"
+
+namespace walkthrough {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Null where there is no number.
+Json finite(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json json_of(const Result& r) {
+    const Errors& e = r.errors;
+    return {{"name", r.name},
+            {"build_seconds", r.build.seconds},
+            {"hierarchy_bytes", r.build.bytes},
+            {"cells", r.build.cells},
+            {"levels", r.build.levels},
+            {"frame_ms",
+             {{"first", r.frame_ms.front()},
+              {"median", median(r.frame_ms)},
+              {"mean", mean(r.frame_ms)},
+              {"max", *std::max_element(r.frame_ms.begin(), r.frame_ms.end())}}},
+            {"exact_ms", {{"median", median(r.exact_ms)}, {"mean", mean(r.exact_ms)}}},
+            {"speedup", finite(speedup(r))},
+            {"error",
+             {{"rmse", finite(e.rmse())},
+              {"psnr", finite(e.psnr())},
+              {"ssim", finite(e.ssim())},
+              {"flip", nullptr},
+              {"coverage_bias", finite(e.coverage_bias())},
+              {"coverage_rms", finite(e.coverage_rms())},
+              {"flicker", nullptr}}},
+            {"drawn",
+             {{"primitives", r.drawn.primitives},
+              {"approximations", r.drawn.approximations},
+              {"by_level", r.drawn.approximations_by_level}}},
+            {"cells_visited", r.drawn.cells_visited},
+            {"working_set_bytes", r.drawn.touched_bytes}};
+}
+
+}  // namespace
+
+void write_json(const std::filesystem::path& file, const Setting& setting, const Options& options,
+                const std::vector<Result>& results) {
+    std::uint64_t primitives = 0;
+    for (const auto& group : setting.scene.groups) primitives += group.triangles.size() + group.placements.size();
+    Json json{{"scene",
+               {{"name", setting.name},
+                {"primitives", primitives},
+                {"triangles", farfield::scenes::triangle_count(setting.scene)},
+                {"bytes", farfield::scenes::bytes(setting.scene)}}},
+              {"image", {{"width", options.width}, {"height", options.height}, {"frames", options.frames}}},
+              {"variants", Json::array()}};
+    for (const Result& r : results) json["variants"].push_back(json_of(r));
+    std::ofstream out(file);
+    out << json.dump(2) << "\n";
+    out.close();
+    if (!out) throw std::runtime_error("could not write " + file.string());
+}
+
+}  // namespace walkthrough

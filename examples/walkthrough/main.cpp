@@ -1,0 +1,63 @@
+// Flies through a scene, or looks at it from a distance, and draws every frame exactly and with far fields: pictures,
+// differences, and a table of what each variant costs and gains. See --help.
+#include <exception>
+#include <fstream>
+#include <iostream>
+
+#include "flight.hpp"
+#include "options.hpp"
+#include "picture.hpp"
+#include "result.hpp"
+#include "run.hpp"
+#include "setting.hpp"
+
+namespace {
+
+/// Before the long work, not after it.
+void check_writable(const walkthrough::Options& options) {
+    if (options.out_directory) {
+        std::error_code error;
+        std::filesystem::create_directories(*options.out_directory, error);
+        if (error || !std::filesystem::is_directory(*options.out_directory)) {
+            throw walkthrough::UsageError("cannot make the directory " + options.out_directory->string());
+        }
+    }
+    if (options.json_file && !std::ofstream(*options.json_file, std::ios::app)) {
+        throw walkthrough::UsageError("cannot write " + options.json_file->string());
+    }
+}
+
+void walk(const walkthrough::Options& options) {
+    using namespace walkthrough;
+    const Setting setting = make_setting(options.scene);
+    check_writable(options);
+    const Flight flight = plan_flight(setting, options);
+    const std::vector<Result> results = run(setting, options, flight);
+    print_table(std::cout, setting, options, results);
+    if (options.json_file) write_json(*options.json_file, setting, options, results);
+    if (options.out_directory) {
+        std::cout << "pictures: " << options.out_directory->string() << " (differences are amplified "
+                  << difference_gain << " times)\n";
+    }
+    if (options.json_file) std::cout << "table: " << options.json_file->string() << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        std::string answer;
+        if (const auto options = walkthrough::parse_options(argc, argv, answer)) {
+            walk(*options);
+        } else {
+            std::cout << answer;
+        }
+        return 0;
+    } catch (const walkthrough::UsageError& error) {
+        std::cerr << "walkthrough: " << error.what() << "\n";
+        return 2;
+    } catch (const std::exception& error) {
+        std::cerr << "walkthrough: " << error.what() << "\n";
+        return 1;
+    }
+}

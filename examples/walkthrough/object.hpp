@@ -1,0 +1,49 @@
+// One primitive type for scenes of any nesting: a triangle, or an instance of a hierarchy over such objects.
+#pragma once
+
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "farfield/geometry/triangle.hpp"
+#include "farfield/instance.hpp"
+
+namespace walkthrough {
+
+/// Groups without placements are hierarchies over plain triangles, which are smaller and quicker to read; so there are
+/// two kinds of instances.
+template <class Hierarchy>
+struct Object {
+    using Triangle = farfield::VertexColoredTriangle;
+    using InstanceOfTriangles = farfield::Instance<Hierarchy, Triangle>;
+    using InstanceOfObjects = farfield::Instance<Hierarchy, Object>;
+
+    std::variant<Triangle, InstanceOfTriangles, InstanceOfObjects> is;
+
+    farfield::BoxD bounds() const {
+        return std::visit(
+            [](const auto& it) {
+                const auto b = it.bounds();
+                return farfield::BoxD{glm::dvec3(b.lower), glm::dvec3(b.upper)};
+            },
+            is);
+    }
+    farfield::Work work() const {
+        return std::visit([](const auto& it) { return farfield::work_of(it); }, is);
+    }
+    template <class Sink>
+    void polygons(Sink&& sink) const {
+        std::visit([&](const auto& it) { it.polygons(sink); }, is);
+    }
+    template <class F>
+    bool visit_instance(F&& f) const {
+        return std::visit(
+            [&]<class T>(const T& it) {
+                if constexpr (!std::is_same_v<T, Triangle>) f(it);
+                return !std::is_same_v<T, Triangle>;
+            },
+            is);
+    }
+};
+
+}  // namespace walkthrough

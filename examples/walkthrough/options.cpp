@@ -1,0 +1,152 @@
+#include "options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <sstream>
+#include <string_view>
+
+#include "scenes/catalog.hpp"
+#include "variants.hpp"
+
+namespace walkthrough {
+namespace {
+
+constexpr std::string_view renderers[] = {"z-buffer"};
+constexpr std::string_view planned_renderers[] = {"coverage", "hierarchical-z", "painter", "opengl"};
+constexpr int frames_of_a_flight = 48;
+constexpr int frames_of_a_fixed_view = 21;
+/// The reference has eight samples on a pixel's side, and the z-buffer takes 16,000 on an image's.
+constexpr int largest_side_px = 2000;
+
+std::string in_quotes(std::string_view s) {
+    return "'" + std::string(s) + "'";
+}
+
+std::string list() {
+    std::ostringstream text;
+    text << "scenes:\n";
+    for (const std::string& name : farfield::scenes::names()) text << "  " << name << "\n";
+    text << "  FILE                    .off .oogl .ply .obj .gltf .glb .pdb .ent .xyz .dump .lammpstrj .data .lmp\n";
+    text << "variants:\n";
+    for (const Variant& v : variants()) {
+        text << "  " << v.name << std::string(24 - v.name.size(), ' ') << v.description << "\n";
+    }
+    text << "renderers:\n";
+    for (const std::string_view r : renderers) text << "  " << r << "\n";
+    return text.str();
+}
+
+/// "all", or names with commas between them. Exact comes first, asked for or not.
+std::vector<std::string> parse_variants(const std::string& names) {
+    std::vector<std::string> result{"exact"};
+    const auto add = [&](std::string_view name) {
+        if (std::find(result.begin(), result.end(), name) == result.end()) result.emplace_back(name);
+    };
+    if (names == "all") {
+        for (const Variant& v : variants()) add(v.name);
+        return result;
+    }
+    std::istringstream rest(names + ",");
+    for (std::string name; std::getline(rest, name, ',');) {
+        if (find_variant(name) == nullptr) throw UsageError("no variant " + in_quotes(name) + "; --list shows them");
+        add(name);
+    }
+    return result;
+}
+
+void parse_size(std::string_view text, Options& options) {
+    const char* const end = text.data() + text.size();
+    const auto width = std::from_chars(text.data(), end, options.width);
+    bool good = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
+    if (good) {
+        const auto height = std::from_chars(width.ptr + 1, end, options.height);
+        good = height.ec == std::errc() && height.ptr == end;
+    }
+    const auto fits = [](int side) { return side >= 1 && side <= largest_side_px; };
+    if (!good || !fits(options.width) || !fits(options.height)) {
+        throw UsageError("--size must be WIDTHxHEIGHT, each from 1 to " + std::to_string(largest_side_px) + ", not " +
+                         in_quotes(text));
+    }
+}
+
+void check_renderer(std::string_view name) {
+    if (std::find(std::begin(renderers), std::end(renderers), name) != std::end(renderers)) return;
+    const bool planned =
+        std::find(std::begin(planned_renderers), std::end(planned_renderers), name) != std::end(planned_renderers);
+    throw UsageError(
+        (planned ? "the renderer " + in_quotes(name) + " does not exist yet" : "no renderer " + in_quotes(name)) +
+        "; --list shows those that do");
+}
+
+void check_numbers(const Options& options) {
+    int side = 1;
+    while (side * side < options.samples && side < 8) ++side;
+    if (side * side != options.samples) {
+        throw UsageError("--samples must be 1, 4, 9, 16, 25, 36, 49 or 64, not " + std::to_string(options.samples));
+    }
+    if (options.frames < 1 || options.frames > 1'000'000) throw UsageError("--frames must be from 1 to 1000000");
+    if (options.distance && !(*options.distance > 0 && *options.distance <= 1e6)) {
+        throw UsageError("--distance must be above 0 and at most 1000000 radii");
+    }
+    if (!std::isfinite(options.angle_degrees)) throw UsageError("--angle must be a finite number of degrees");
+    if (!(options.tolerance_px >= 0) || !std::isfinite(options.tolerance_px)) {
+        throw UsageError("--tolerance must be 0 or more pixels");
+    }
+}
+
+}  // namespace
+
+std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer) {
+    Options options;
+    std::string variant_names = "color-cube", renderer = "z-buffer", size, out, json;
+    double budget_ms = 0, distance = 0;
+    bool wants_list = false;
+
+    CLI::App app("Draws a scene exactly and with far fields, and says what that costs and gains.", "walkthrough");
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    app.add_option("--scene", options.scene, "name of a generated scene, or a file")->type_name("NAME|FILE");
+    app.add_option("--variant", variant_names, "names with commas between them, or all; exact always comes first")
+        ->type_name("NAME[,NAME...]");
+    app.add_option("--renderer", renderer, "what draws: z-buffer")->type_name("NAME");
+    app.add_option("--samples", options.samples, "samples a pixel of what is timed: a square up to 64")->type_name("N");
+    app.add_option("--size", size, "of the images in pixels (default 640x360)")->type_name("WxH");
+    app.add_option("--frames", options.frames, "how many (default 48 on a flight, 21 from one place)")->type_name("N");
+    const auto* const distance_option =
+        app.add_option("--distance", distance, "look at the scene's center from D times its radius; else fly through")
+            ->type_name("D");
+    app.add_option("--angle", options.angle_degrees, "degrees off the front, about the up axis")->type_name("DEG");
+    app.add_option("--tolerance", options.tolerance_px, "error in pixels that stand-ins may have")->type_name("PX");
+    const auto* const budget_option =
+        app.add_option("--budget-ms", budget_ms, "not available yet: time that a frame may take")->type_name("MS");
+    app.add_option("--out", out, "write pictures of up to 8 frames here")->type_name("DIR");
+    app.add_option("--json", json, "write the table here")->type_name("FILE");
+    app.add_flag("--list", wants_list, "show scenes, variants and renderers");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+        answer = app.help();
+        return std::nullopt;
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(error.what());
+    }
+    if (wants_list) {
+        answer = list();
+        return std::nullopt;
+    }
+    if (budget_option->count() != 0) throw UsageError("--budget-ms is not available yet");
+    check_renderer(renderer);
+    options.variants = parse_variants(variant_names);
+    if (!size.empty()) parse_size(size, options);
+    if (distance_option->count() != 0) options.distance = distance;
+    if (app.get_option("--frames")->count() == 0) {
+        options.frames = options.distance ? frames_of_a_fixed_view : frames_of_a_flight;
+    }
+    if (!out.empty()) options.out_directory = out;
+    if (!json.empty()) options.json_file = json;
+    check_numbers(options);
+    return options;
+}
+
+}  // namespace walkthrough

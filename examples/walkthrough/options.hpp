@@ -1,0 +1,33 @@
+// What the command line says.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace walkthrough {
+
+/// The user asked for what cannot be: one line, exit status 2.
+struct UsageError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+struct Options {
+    std::string scene = "tree";         ///< a name of the catalog, or a file
+    std::vector<std::string> variants;  ///< known names, each once, exact first
+    int samples = 1;                    ///< a pixel, of the frames that are timed
+    int width = 640, height = 360;      ///< pixels
+    int frames = 0;                     ///< above 0
+    std::optional<double> distance;     ///< from the scene's center, in its radii; none: fly through
+    double angle_degrees = 0;           ///< off the front, about the up axis
+    float tolerance_px = 1;
+    std::optional<std::filesystem::path> out_directory;
+    std::optional<std::filesystem::path> json_file;
+};
+
+/// Nothing where the command line asked for help or a list, which is then in `answer`. Throws UsageError.
+std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer);
+
+}  // namespace walkthrough

@@ -1,0 +1,39 @@
+#include "picture.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace walkthrough {
+
+using farfield::Image;
+using farfield::Rgba8;
+
+Image over_background(const Image& premultiplied, const Setting& setting) {
+    Image result(premultiplied.width(), premultiplied.height());
+    const Rgba8 top = setting.background_top, bottom = setting.background_bottom;
+    const int last = std::max(result.height() - 1, 1);
+    for (int y = 0; y < result.height(); ++y) {
+        const auto between = [&](int a, int b) { return (a * (last - y) + b * y + last / 2) / last; };
+        const int r = between(top.r, bottom.r), g = between(top.g, bottom.g), b = between(top.b, bottom.b);
+        for (int x = 0; x < result.width(); ++x) {
+            const Rgba8 c = premultiplied.at(x, y);
+            const auto over = [&](int front, int back) {
+                return std::uint8_t(std::min(255, front + (back * (255 - c.a) + 127) / 255));
+            };
+            result.at(x, y) = {over(c.r, r), over(c.g, g), over(c.b, b), 255};
+        }
+    }
+    return result;
+}
+
+Image difference(const Image& a, const Image& b) {
+    Image result(a.width(), a.height());
+    const auto amplified = [](int x, int y) { return std::uint8_t(std::min(255, std::abs(x - y) * difference_gain)); };
+    for (std::size_t i = 0; i < result.pixels().size(); ++i) {
+        const Rgba8 p = a.pixels()[i], q = b.pixels()[i];
+        result.pixels()[i] = {amplified(p.r, q.r), amplified(p.g, q.g), amplified(p.b, q.b), 255};
+    }
+    return result;
+}
+
+}  // namespace walkthrough

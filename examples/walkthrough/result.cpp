@@ -1,0 +1,23 @@
+#include "result.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace walkthrough {
+
+double mean(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    if (values.size() % 2 != 0) return *middle;
+    return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double speedup(const Result& result) {
+    return median(result.exact_ms) / median(result.frame_ms);
+}
+
+}  // namespace walkthrough

@@ -1,0 +1,44 @@
+// What is known of a variant when it has been drawn, and how it is told.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "built_scene.hpp"
+#include "errors.hpp"
+#include "options.hpp"
+#include "setting.hpp"
+
+namespace walkthrough {
+
+/// Means over all frames.
+struct Drawn {
+    double primitives = 0, approximations = 0, cells_visited = 0, touched_bytes = 0;
+    std::vector<double> approximations_by_level;  ///< up to the last that is not 0
+};
+
+struct Result {
+    std::string name;
+    BuildFacts build;
+    std::vector<double> frame_ms;  ///< in the order in which they were drawn
+    std::vector<double> exact_ms;  ///< of exact, each right before the variant's
+    Drawn drawn;
+    Errors errors;
+};
+
+double mean(const std::vector<double>& values);
+double median(std::vector<double> values);
+/// Median exact frame over median frame.
+double speedup(const Result& result);
+
+/// Aligned columns for people.
+void print_table(std::ostream& out, const Setting& setting, const Options& options, const std::vector<Result>& results);
+
+/// Throws std::runtime_error naming the file.
+void write_json(const std::filesystem::path& file, const Setting& setting, const Options& options,
+                const std::vector<Result>& results);
+
+}  // namespace walkthrough

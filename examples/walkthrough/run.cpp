@@ -1,0 +1,149 @@
+#include "run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "picture.hpp"
+#include "progress.hpp"
+#include "variants.hpp"
+
+namespace walkthrough {
+namespace {
+
+using farfield::FrameStats;
+using farfield::Image;
+using farfield::View;
+
+/// Exact at 64 samples a pixel, of one frame.
+struct Reference {
+    int frame;
+    Image image;
+    Image over_background;
+    std::optional<farfield::PixelRect> rect;  ///< what is compared; none: all
+};
+
+class Run {
+  public:
+    Run(const Setting& setting, const Options& options, const Flight& flight)
+        : setting_(setting), options_(options), flight_(flight) {}
+
+    std::vector<Result> all() {
+        progress_.begin("building exact");
+        exact_ = variants().front().build(setting_.scene);
+        make_references();
+        exact_viewer_ = exact_->viewer(renderer(options_.samples));
+        std::vector<Result> results;
+        for (const std::string& name : options_.variants) results.push_back(result_of(*find_variant(name)));
+        return results;
+    }
+
+  private:
+    farfield::ZBufferOptions renderer(int samples) const {
+        // No background: coverage is compared too.
+        return {.samples = samples, .light = {}, .culls_back_faces = setting_.culls_back_faces};
+    }
+
+    View view_of(int frame, farfield::DistanceMeasure distance = {}) const {
+        return {.camera = flight_.cameras[std::size_t(frame)],
+                .width = options_.width,
+                .height = options_.height,
+                .tolerance_px = options_.tolerance_px,
+                .distance = distance};
+    }
+
+    void make_references() {
+        // Its viewer goes before the next comes: each holds a copy of all triangles.
+        const auto viewer = exact_->viewer(renderer(64));
+        progress_.begin("drawing references", int(flight_.quality_frames.size()));
+        for (const int frame : flight_.quality_frames) {
+            const View view = view_of(frame);
+            viewer->frame(view);
+            const Image& image = viewer->image();
+            Reference reference{frame, image, over_background(image, setting_), std::nullopt};
+            if (options_.distance) reference.rect = projected_rect(setting_.bounds, view);
+            if (options_.out_directory) write_png(reference.over_background, file("reference", frame));
+            references_.push_back(std::move(reference));
+            progress_.step();
+        }
+    }
+
+    Result result_of(const Variant& variant) {
+        const bool is_exact = &variant == &variants().front();
+        Result result;
+        result.name = variant.name;
+        std::unique_ptr<BuiltScene> built;
+        std::unique_ptr<SceneViewer> viewer;
+        if (!is_exact) {
+            progress_.begin("building " + result.name);
+            built = variant.build(setting_.scene);
+            viewer = built->viewer(renderer(options_.samples));
+        }
+        result.build = (is_exact ? exact_ : built)->facts();
+        progress_.begin("drawing " + result.name, options_.frames);
+        auto reference = references_.begin();
+        for (int frame = 0; frame < options_.frames; ++frame) {
+            FrameStats stats;
+            result.exact_ms.push_back(timed(*exact_viewer_, view_of(frame), stats));
+            result.frame_ms.push_back(is_exact ? result.exact_ms.back()
+                                               : timed(*viewer, view_of(frame, variant.distance), stats));
+            add(stats, result.drawn);
+            if (reference != references_.end() && reference->frame == frame) {
+                compare((is_exact ? exact_viewer_ : viewer)->image(), *reference++, result);
+            }
+            progress_.step();
+        }
+        return result;
+    }
+
+    static double timed(SceneViewer& viewer, const View& view, FrameStats& stats) {
+        const auto begin = std::chrono::steady_clock::now();
+        stats = viewer.frame(view);
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    }
+
+    void add(const FrameStats& stats, Drawn& drawn) const {
+        const double weight = 1.0 / options_.frames;
+        drawn.primitives += weight * double(stats.primitives);
+        drawn.approximations += weight * double(stats.approximations);
+        drawn.cells_visited += weight * double(stats.cells_visited);
+        drawn.touched_bytes += weight * double(stats.touched_bytes);
+        auto& by_level = drawn.approximations_by_level;
+        for (std::size_t level = 0; level < FrameStats::max_levels; ++level) {
+            if (stats.approximations_by_level[level] == 0) continue;
+            by_level.resize(std::max(by_level.size(), level + 1));
+            by_level[level] += weight * double(stats.approximations_by_level[level]);
+        }
+    }
+
+    void compare(const Image& image, const Reference& reference, Result& result) const {
+        const Image picture = over_background(image, setting_);
+        result.errors.add(image, reference.image, picture, reference.over_background, reference.rect);
+        if (!options_.out_directory) return;
+        write_png(picture, file(result.name, reference.frame));
+        write_png(difference(picture, reference.over_background), file(result.name, reference.frame, "_difference"));
+    }
+
+    std::filesystem::path file(const std::string& what, int frame, const char* kind = "") const {
+        std::string number = std::to_string(frame);
+        if (number.size() < 3) number.insert(0, 3 - number.size(), '0');
+        return *options_.out_directory / (setting_.name + "_" + what + "_frame" + number + kind + ".png");
+    }
+
+    const Setting& setting_;
+    const Options& options_;
+    const Flight& flight_;
+    Progress progress_;
+    std::unique_ptr<BuiltScene> exact_;
+    std::unique_ptr<SceneViewer> exact_viewer_;
+    std::vector<Reference> references_;
+};
+
+}  // namespace
+
+std::vector<Result> run(const Setting& setting, const Options& options, const Flight& flight) {
+    return Run(setting, options, flight).all();
+}
+
+}  // namespace walkthrough

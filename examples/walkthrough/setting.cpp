@@ -1,0 +1,61 @@
+#include "setting.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "options.hpp"
+#include "scenes/catalog.hpp"
+#include "scenes/load.hpp"
+
+namespace walkthrough {
+namespace {
+
+/// Loaders of these make spheres, counter-clockwise from outside.
+bool has_atoms(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    constexpr std::array<std::string_view, 7> known{".pdb", ".ent", ".xyz", ".dump", ".lammpstrj", ".data", ".lmp"};
+    return std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+farfield::scenes::Scene load(const std::string& file, const std::vector<std::string>& names) {
+    std::error_code error;
+    if (!std::filesystem::exists(file, error)) {
+        std::string known;
+        for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+        throw UsageError("no scene and no file '" + file + "'; known scenes are " + known);
+    }
+    try {
+        return farfield::scenes::load(file);
+    } catch (const std::runtime_error& e) {
+        throw UsageError(e.what());
+    }
+}
+
+}  // namespace
+
+Setting make_setting(const std::string& asked) {
+    Setting setting;
+    const std::vector<std::string> names = farfield::scenes::names();
+    const bool generated = std::find(names.begin(), names.end(), asked) != names.end();
+    if (generated) {
+        setting.scene = farfield::scenes::make(asked);
+        setting.name = asked;
+    } else {
+        setting.scene = load(asked, names);
+        setting.name = std::filesystem::path(asked).stem().string();
+    }
+    setting.bounds = farfield::scenes::bounds(setting.scene);
+    if (setting.bounds.is_empty()) throw UsageError("nothing to draw in '" + asked + "'");
+    const bool outdoors = generated && asked != "molecule" && asked != "tree";
+    setting.background_top = outdoors ? farfield::Rgba8{126, 173, 224} : farfield::Rgba8{255, 255, 255};
+    setting.background_bottom = outdoors ? farfield::Rgba8{222, 236, 247} : farfield::Rgba8{255, 255, 255};
+    setting.culls_back_faces = generated ? asked == "molecule" : has_atoms(asked);
+    return setting;
+}
+
+}  // namespace walkthrough

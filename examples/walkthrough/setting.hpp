@@ -1,0 +1,24 @@
+// The scene that was asked for, and what is known about showing it.
+#pragma once
+
+#include <string>
+
+#include "farfield/geometry/box.hpp"
+#include "farfield/geometry/rgba8.hpp"
+#include "scenes/scene.hpp"
+
+namespace walkthrough {
+
+struct Setting {
+    farfield::scenes::Scene scene;
+    std::string name;                ///< fit for file names
+    farfield::Box bounds;            ///< not empty
+    farfield::Rgba8 background_top;  ///< opaque, a gradient down the image
+    farfield::Rgba8 background_bottom;
+    bool culls_back_faces = false;  ///< all surfaces are closed and counter-clockwise from outside
+};
+
+/// A name of the catalog, or a file. Throws UsageError.
+Setting make_setting(const std::string& scene);
+
+}  // namespace walkthrough

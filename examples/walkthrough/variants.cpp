@@ -1,0 +1,31 @@
+#include "variants.hpp"
+
+namespace walkthrough {
+namespace {
+
+constexpr Variant table[] = {
+    {"exact", "every triangle in the frustum; the reference", build_exact},
+    {"color-cube", "adaptive octree, blended faces made from their children's (Chamberlain et al. 1996)",
+     build_color_cube},
+    {"color-cube-direct", "likewise, every cell drawn instead of made from its children", build_color_cube_direct},
+    {"color-cube-shared", "likewise, triangles in every cell they touch as in the paper", build_color_cube_shared},
+    {"color-cube-cluster", "adaptive octree, 4 x 4 x 4 cubes a cell (Chamberlain et al. 1995)",
+     build_color_cube_cluster},
+    {"color-cube-1995", "octree of uniform depth, opaque faces, distance is depth (Chamberlain et al. 1995)",
+     build_color_cube_1995, farfield::DistanceMeasure::depth},
+};
+
+}  // namespace
+
+std::span<const Variant> variants() {
+    return table;
+}
+
+const Variant* find_variant(std::string_view name) {
+    for (const Variant& v : table) {
+        if (v.name == name) return &v;
+    }
+    return nullptr;
+}
+
+}  // namespace walkthrough

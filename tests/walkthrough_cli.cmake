@@ -1,0 +1,121 @@
+# The walkthrough's command line: cmake -DWALKTHROUGH=PROGRAM -DDIRECTORY=SCRATCH -P walkthrough_cli.cmake
+#
+# What cannot be ends with one line on stderr, nothing on stdout and exit status 2; what can be writes what it says.
+cmake_minimum_required(VERSION 3.23)
+
+function(expect_refusal)
+  execute_process(
+    COMMAND "${WALKTHROUGH}" ${ARGN}
+    RESULT_VARIABLE status
+    OUTPUT_VARIABLE out
+    ERROR_VARIABLE err)
+  if(NOT status EQUAL 2
+     OR NOT out STREQUAL ""
+     OR NOT err MATCHES "^walkthrough: [^\n]+\n$")
+    message(SEND_ERROR "walkthrough ${ARGN}: expected status 2 and one line, got status ${status}:\n${out}${err}")
+  endif()
+endfunction()
+
+function(expect_success out_variable)
+  execute_process(
+    COMMAND "${WALKTHROUGH}" ${ARGN}
+    RESULT_VARIABLE status
+    OUTPUT_VARIABLE out
+    ERROR_VARIABLE err)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "walkthrough ${ARGN}: expected status 0, got ${status}:\n${out}${err}")
+  endif()
+  set(${out_variable} "${out}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE "${DIRECTORY}")
+file(MAKE_DIRECTORY "${DIRECTORY}")
+file(WRITE "${DIRECTORY}/cut_short.off" "OFF\n3 1 0\n0 0 0\n")
+file(WRITE "${DIRECTORY}/not_a_directory" "")
+
+expect_refusal(--no-such-option)
+expect_refusal(stray)
+expect_refusal(--scene no-such-scene)
+expect_refusal(--scene "${DIRECTORY}/cut_short.off")
+expect_refusal(--scene "${DIRECTORY}")
+expect_refusal(--scene "")
+expect_refusal(--scene)
+expect_refusal(--variant no-such-variant)
+expect_refusal(--variant color-cube,)
+expect_refusal(--renderer no-such-renderer)
+expect_refusal(--renderer opengl)
+expect_refusal(--budget-ms 16)
+foreach(samples IN ITEMS 0 3 81 -1 4x 1e99)
+  expect_refusal(--samples ${samples})
+endforeach()
+foreach(size IN ITEMS 640 640x 0x360 640x-1 640x360x2 99999x360 99999999999x1 640*360)
+  expect_refusal(--size ${size})
+endforeach()
+foreach(frames IN ITEMS 0 -1 2.5 many)
+  expect_refusal(--frames ${frames})
+endforeach()
+foreach(distance IN ITEMS 0 -1 nan inf far)
+  expect_refusal(--distance ${distance})
+endforeach()
+foreach(angle IN ITEMS nan inf left)
+  expect_refusal(--distance 3 --angle ${angle})
+endforeach()
+foreach(tolerance IN ITEMS -1 nan inf coarse)
+  expect_refusal(--tolerance ${tolerance})
+endforeach()
+expect_refusal(--out "${DIRECTORY}/not_a_directory")
+expect_refusal(--json "${DIRECTORY}/no/such/directory/table.json")
+
+expect_success(help --help)
+expect_success(list --list)
+foreach(part IN ITEMS scenes variants renderers tree exact z-buffer)
+  if(NOT list MATCHES "${part}")
+    message(SEND_ERROR "--list does not tell about ${part}")
+  endif()
+endforeach()
+
+# Of options given twice the last counts; exact is first, asked for or not.
+expect_success(table --scene molecule --scene tree --variant color-cube --variant all --size 9x9 --size 80x60 --frames 2
+               --out "${DIRECTORY}/out" --json "${DIRECTORY}/table.json")
+file(READ "${DIRECTORY}/table.json" json)
+string(JSON scene GET "${json}" scene name)
+string(JSON width GET "${json}" image width)
+string(JSON count LENGTH "${json}" variants)
+if(NOT scene STREQUAL "tree" OR NOT width EQUAL 80)
+  message(SEND_ERROR "the last of repeated options should count, but the scene is ${scene}, ${width} pixels wide")
+endif()
+foreach(key IN ITEMS primitives triangles bytes)
+  string(JSON value GET "${json}" scene ${key})
+endforeach()
+math(EXPR last "${count} - 1")
+foreach(i RANGE ${last})
+  string(JSON name GET "${json}" variants ${i} name)
+  if(i EQUAL 0 AND NOT name STREQUAL "exact")
+    message(SEND_ERROR "the first variant should be exact, not ${name}")
+  endif()
+  if(NOT list MATCHES "${name}" OR NOT table MATCHES "${name}")
+    message(SEND_ERROR "${name} is missing in --list or in the table")
+  endif()
+  # Each of these is a fatal error where there is no such key.
+  foreach(key IN ITEMS build_seconds hierarchy_bytes cells levels speedup cells_visited working_set_bytes)
+    string(JSON value GET "${json}" variants ${i} ${key})
+  endforeach()
+  foreach(key IN ITEMS first median mean max)
+    string(JSON value GET "${json}" variants ${i} frame_ms ${key})
+  endforeach()
+  foreach(key IN ITEMS median mean)
+    string(JSON value GET "${json}" variants ${i} exact_ms ${key})
+  endforeach()
+  foreach(key IN ITEMS rmse psnr ssim flip coverage_bias coverage_rms flicker)
+    string(JSON value GET "${json}" variants ${i} error ${key})
+  endforeach()
+  foreach(key IN ITEMS primitives approximations by_level)
+    string(JSON value GET "${json}" variants ${i} drawn ${key})
+  endforeach()
+  foreach(file IN ITEMS "tree_${name}_frame001.png" "tree_${name}_frame001_difference.png"
+                        "tree_reference_frame001.png")
+    if(NOT EXISTS "${DIRECTORY}/out/${file}")
+      message(SEND_ERROR "there is no ${file}")
+    endif()
+  endforeach()
+endforeach()
