@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
@@ -95,7 +96,8 @@ class CellSplitter {
             parts_.work += work;
             total += items_[i].cost;
         }
-        if (!parts_.bounds.is_empty() && !parts_.bounds.is_finite()) {
+        if (!parts_.bounds.is_empty() &&
+            !(parts_.bounds.is_finite() && std::isfinite(4 * parts_.bounds.largest_side()))) {
             throw std::invalid_argument("farfield: the scene's extent overflows single precision");
         }
         parts_.primitive_count = primitives_.size();

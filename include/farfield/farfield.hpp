@@ -18,5 +18,6 @@
 #include "farfield/raster/z_buffer_renderer.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/storage/open.hpp"
+#include "farfield/storage/prices.hpp"
 #include "farfield/storage/save.hpp"
 #include "farfield/viewer.hpp"

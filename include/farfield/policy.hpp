@@ -9,6 +9,7 @@
 #include <glm/vec4.hpp>
 #include <span>
 #include <type_traits>
+#include <vector>
 
 #include "farfield/cell.hpp"
 #include "farfield/geometry/orthographic_sampler.hpp"
@@ -125,11 +126,12 @@ struct ChildDraft {
 /// Stand-ins are made in three steps, so that the costly one runs on any number of threads: sample(), each node by
 /// itself; merge(), bottom up; finish(), in node order and only for nodes whose stand-in pays.
 template <class A>
-concept MakesStandIns = requires(const A& a, const Cell& cell, typename A::draft& draft,
-                                 std::span<const ChildDraft<typename A::draft>> children, GridSampler& sampler,
-                                 std::vector<typename A::pool_element>& pool, const typename A::cell_data& data,
-                                 std::span<const typename A::pool_element> frozen_pool, const LocalView& view,
-                                 archetype::StandInSink& sink) {
+concept MakesStandIns =
+    !std::is_empty_v<typename A::cell_data> &&
+    requires(
+        const A& a, const Cell& cell, typename A::draft& draft, std::span<const ChildDraft<typename A::draft>> children,
+        GridSampler& sampler, std::vector<typename A::pool_element>& pool, const typename A::cell_data& data,
+        std::span<const typename A::pool_element> frozen_pool, const LocalView& view, archetype::StandInSink& sink) {
     { a.wants_all_contents(PartitionFacts{}) } -> std::same_as<bool>;  // of the subtree, not just of the own run
     { a.sample(cell, archetype::Contents{}, sampler) } -> std::same_as<typename A::draft>;
     a.merge(cell, draft, children);

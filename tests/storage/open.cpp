@@ -184,7 +184,8 @@ TEST_CASE("a truncated file says how much is left of it") {
     const Bytes bytes = read_file(directory / "h");
     std::vector<std::size_t> sizes;
     for (std::size_t size = 1; size < 600; ++size) sizes.push_back(size);
-    for (const SectionEntry& s : header_of(bytes).sections) {
+    const FileHeader header = header_of(bytes);
+    for (const SectionEntry& s : header.sections) {
         for (std::size_t size : {s.offset - 1, s.offset, s.offset + 1, s.offset + s.bytes()}) sizes.push_back(size);
     }
     for (std::size_t size = 600; size < bytes.size(); size += 97) sizes.push_back(size);
@@ -200,9 +201,9 @@ TEST_CASE("a truncated file says how much is left of it") {
     CHECK(refused<OctreeOfCubes>(directory, longer).rfind("is too long: ", 0) == 0);
     // Where the checksum agrees with the shorter size, what lies outside is found.
     Bytes shorter(bytes.begin(), bytes.end() - 64);
-    FileHeader header = header_of(shorter);
-    header.file_bytes = shorter.size();
-    CHECK(refused<OctreeOfCubes>(directory, sealed(shorter, header)) ==
+    FileHeader agreeing = header;
+    agreeing.file_bytes = shorter.size();
+    CHECK(refused<OctreeOfCubes>(directory, sealed(shorter, agreeing)) ==
           "is damaged: section 'order' reaches beyond the end");
 }
 

@@ -113,6 +113,13 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
         return least_projected_side(cell, levels, view) / K;
     }
 
+    /// Of data read from a file: no list leaves the pool.
+    bool is_sound(const cell_data& data, std::span<const pool_element> pool) const {
+        std::uint64_t end = data.first;
+        for (const std::uint16_t n : data.count) end += n;
+        return end <= pool.size();
+    }
+
     template <class Sink>
     void polygons(const cell_data& data, std::span<const pool_element> pool, const Cell& cell, Sink&& sink) const {
         for (unsigned side = 0; side < 6; ++side) {
@@ -142,7 +149,7 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
   private:
     static unsigned cubes_a_side(const Cell& cell) {
         const float looseness = cell.half.x > 0 ? cell.bounds_half.x / cell.half.x : 1.0f;
-        return std::min(unsigned(std::ceil(float(K) * looseness)), 32u);
+        return unsigned(std::min(std::ceil(float(K) * looseness), 32.0f));
     }
 
     template <class F>

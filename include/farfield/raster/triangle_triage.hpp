@@ -30,9 +30,9 @@ enum class Simd : std::uint8_t { automatic, scalar, four_lanes, eight_lanes };
 
 /// Adding it rounds any float below 2^22 to the nearest integer, and leaves that in the low bits.
 inline constexpr float snap_rounder = 12582912.0f;
-inline constexpr std::int32_t snap_rounder_bits = 0x4b400000;
+inline constexpr std::uint32_t snap_rounder_bits = 0x4b400000;
 inline std::int32_t snapped_to_256th(float v) {
-    return std::bit_cast<std::int32_t>(v + snap_rounder) - snap_rounder_bits;
+    return std::int32_t(std::bit_cast<std::uint32_t>(v + snap_rounder) - snap_rounder_bits);
 }
 
 #define FARFIELD_LANES 1

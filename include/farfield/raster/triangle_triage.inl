@@ -3,6 +3,7 @@
 
 typedef float Floats __attribute__((vector_size(4 * FARFIELD_LANES)));
 typedef std::int32_t Ints __attribute__((vector_size(4 * FARFIELD_LANES)));
+typedef std::uint32_t Words __attribute__((vector_size(4 * FARFIELD_LANES)));
 
 // The conditional operator, lane by lane: compilers know these as single instructions.
 inline Floats lower(Floats a, Floats b) {
@@ -36,7 +37,8 @@ inline void store(T* p, V v) {
 
 inline Ints snapped(Floats v) {
     // 1.5 * 2^23: the sum's last bit is worth one, and the bits below the constant's are the integer.
-    return (Ints)(v + snap_rounder) - snap_rounder_bits;
+    // Unsigned: what lies far outside the guard band wraps, and is clipped.
+    return (Ints)((Words)(v + snap_rounder) - snap_rounder_bits);
 }
 
 template <bool perspective>

@@ -34,25 +34,33 @@
 
 namespace farfield {
 
-/// Records of nodes hold numbers alone. Where they are not empty, is_sound says whether place, child and front_to_back
-/// may be called with one, so that a file made by a stranger cannot make them read elsewhere.
+/// Says whether place, child and front_to_back may be called with a node's data, so that a file made by a stranger
+/// cannot make them read elsewhere.
 template <class P>
-concept StorablePartition = Partition<P> && std::default_initializable<P> && P::facts.file_tag != 0 &&
-                            detail::MadeOfNumbers<P>&& detail::WithoutPadding<typename P::node_data> &&
-                            (std::is_empty_v<typename P::node_data> ||
-                             requires(const P& p, const typename P::node_data& data) {
-                                 { p.is_sound(data) } -> std::same_as<bool>;
-                             });
+concept ChecksNodeData = requires(const P& p, const typename P::node_data& data) {
+    { p.is_sound(data) } -> std::same_as<bool>;
+};
+/// Says whether all that a stand-in refers to lies within the pool.
+template <class A>
+concept ChecksPool = requires(const A& a, const typename A::cell_data& data,
+                              std::span<const typename A::pool_element> pool) {
+    { a.is_sound(data, pool) } -> std::same_as<bool>;
+};
+template <class P>
+concept ChecksNodeDataIfAny = std::is_empty_v<typename P::node_data> || ChecksNodeData<P>;
+template <class A>
+concept ChecksPoolIfAny = !A::facts.has_pool || ChecksPool<A>;
 
-/// Likewise. Where there is a pool, is_sound says whether all that a stand-in refers to lies within it.
+/// Options are numbers alone; records have no padding either, for they are written as they lie in memory.
+template <class P>
+concept StorablePartition =
+    Partition<P> && std::default_initializable<P> && P::facts.file_tag != 0 &&
+    detail::MadeOfNumbers<P>&& detail::WithoutPadding<typename P::node_data>&& ChecksNodeDataIfAny<P>;
+
 template <class A>
 concept StorableApproximation = Approximation<A> && std::default_initializable<A> && A::facts.file_tag != 0 &&
                                 detail::MadeOfNumbers<A>&& detail::WithoutPadding<typename A::cell_data>&&
-                                    detail::WithoutPadding<typename A::pool_element> &&
-                                (!A::facts.has_pool || requires(const A& a, const typename A::cell_data& data,
-                                                                std::span<const typename A::pool_element> pool) {
-                                    { a.is_sound(data, pool) } -> std::same_as<bool>;
-                                });
+                                    detail::WithoutPadding<typename A::pool_element>&& ChecksPoolIfAny<A>;
 
 template <class C>
 concept StorableCostModel =
