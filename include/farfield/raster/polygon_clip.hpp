@@ -1,6 +1,7 @@
 // Convex polygons across the near plane or far off the screen.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -22,12 +23,13 @@ class ClippedPolygon {
     /// that in single precision. Corners that stay are snapped as everywhere else, or they would part from their
     /// neighbors.
     struct Vertex {
-        glm::dvec3 p{0};       ///< as SampleProjection::project gives it
-        glm::vec3 rounded{0};  ///< likewise, of a corner that was not cut
-        glm::vec4 color{0};    ///< whatever varies linearly over the polygon
-        bool is_cut = false;
+        glm::dvec3 p;       ///< as SampleProjection::project gives it
+        glm::vec3 rounded;  ///< likewise, of a corner that was not cut
+        glm::vec4 color;    ///< whatever varies linearly over the polygon
+        bool is_cut;
     };
-    static constexpr std::size_t largest_input = 64;
+    /// Triangles and far-field faces; each of the five planes adds a corner at most.
+    static constexpr std::size_t largest_input = 8;
 
     /// Local coordinates.
     void add(glm::vec3 corner, const SampleProjection& to, glm::vec4 color = glm::vec4(0)) {
@@ -72,6 +74,8 @@ class ClippedPolygon {
   private:
     template <class Distance>
     void cut(Distance&& inside) {
+        const auto begin = vertices_.begin(), end = begin + std::ptrdiff_t(count_);
+        if (std::all_of(begin, end, [&](const Vertex& v) { return inside(v.p) >= 0; })) return;
         std::array<Vertex, largest_input + 8> out;
         std::size_t n = 0;
         for (std::size_t i = 0; i < count_; ++i) {

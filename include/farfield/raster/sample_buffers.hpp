@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <limits>
 #include <vector>
 
@@ -69,25 +70,30 @@ class SampleBuffers {
     void begin_far() {
         if (far_.empty()) far_.assign(depth_.size(), {});
     }
-    void far_drawn(int x0, int y0, int x1, int y1) {
-        far_rect_.add(x0 - first_x_, y0 - first_y_, x1 - first_x_, y1 - first_y_);
-    }
 
-    /// A sample's part of a deposit: `area` in units of the sample's own, `rgb` in [0, 1].
-    template <AreaLaw law>
-    void deposit(int x, int y, float q, float area, float r, float g, float b) {
-        const std::size_t line = std::size_t(y - first_y_), column = std::size_t(x - first_x_);
-        const std::size_t at = line * std::size_t(width_) + column;
-        any_closed_ |=
-            deposit<law>(far_[at], depth_[at], open_[line * words_ + (column >> 6)],
-                         touched_[line * words_ + (column >> 6)], std::uint64_t(1) << (column & 63), q, area, r, g, b);
+    /// Deposits into samples [begin, end) of row y: `area` in units of a sample's own, `rgb` in [0, 1]; q(x) is the
+    /// depth.
+    template <AreaLaw law, class Depth>
+    void deposit_row(int y, int begin, int end, Depth&& q, float area, glm::vec3 rgb) {
+        const std::size_t line = std::size_t(y - first_y_);
+        const float* depth = depth_.data() + line * std::size_t(width_);
+        FarSample* far = far_.data() + line * std::size_t(width_);
+        std::uint64_t* open = open_.data() + line * words_;
+        std::uint64_t* touched = touched_.data() + line * words_;
+        far_rect_.add(begin - first_x_, y - first_y_, end - first_x_, y - first_y_ + 1);
+        bool closed = false;
+        for (int x = begin; x < end; ++x) {
+            const int i = x - first_x_;
+            closed |= deposit<law>(far[i], depth[i], open[i >> 6], touched[i >> 6], std::uint64_t(1) << (i & 63), q(x),
+                                   area, rgb);
+        }
+        any_closed_ |= closed;
     }
 
     /// A square deposit; each sample gets its share by overlap, `share` if it is covered whole. Outside the image it is
     /// cut off.
     template <AreaLaw law>
-    void deposit_square(float left, float top, float right, float bottom, float q, float share, float r, float g,
-                        float b) {
+    void deposit_square(float left, float top, float right, float bottom, float q, float share, glm::vec3 rgb) {
         left -= float(first_x_);
         right -= float(first_x_);
         top -= float(first_y_);
@@ -107,7 +113,7 @@ class SampleBuffers {
             for (int x = x0; x <= x1; ++x) {
                 const float width = std::min(right, float(x + 1)) - std::max(left, float(x));
                 closed |= deposit<law>(far[x], depth[x], open[x >> 6], touched[x >> 6], std::uint64_t(1) << (x & 63), q,
-                                       width * height, r, g, b);
+                                       width * height, rgb);
             }
         }
         any_closed_ |= closed;
@@ -170,7 +176,7 @@ class SampleBuffers {
     /// True if it closed the sample.
     template <AreaLaw law>
     static bool deposit(FarSample& s, float depth, std::uint64_t& open, std::uint64_t& touched, std::uint64_t bit,
-                        float q, float area, float r, float g, float b) {
+                        float q, float area, glm::vec3 rgb) {
         if ((open & bit) == 0) return false;
         if (q <= depth) {
             open &= ~bit;
@@ -184,9 +190,9 @@ class SampleBuffers {
             open &= ~bit;
         }
         const float taken = s.transmittance - left;
-        s.r += taken * r;
-        s.g += taken * g;
-        s.b += taken * b;
+        s.r += taken * rgb.r;
+        s.g += taken * rgb.g;
+        s.b += taken * rgb.b;
         s.transmittance = left;
         return closes;
     }

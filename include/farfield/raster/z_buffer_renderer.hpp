@@ -266,11 +266,21 @@ class ZBufferRenderer {
             polygon.add(p, to_);
         }
         polygon.clip(to_);
-        const float alpha = float(face.rgba.a) * (1 / 255.0f);
-        const AreaLaw law = law_of_opacity(alpha);
-        const float area = area_of_opacity(alpha, law), unpremultiplied = 1.0f / float(face.rgba.a);
-        const float r = float(face.rgba.r) * unpremultiplied, g = float(face.rgba.g) * unpremultiplied,
-                    b = float(face.rgba.b) * unpremultiplied;
+        switch (law_of_opacity(float(face.rgba.a) * (1 / 255.0f))) {
+            case AreaLaw::coherent:
+                return deposit<AreaLaw::coherent>(polygon, face.rgba);
+            case AreaLaw::mixed:
+                return deposit<AreaLaw::mixed>(polygon, face.rgba);
+            case AreaLaw::independent:
+                return deposit<AreaLaw::independent>(polygon, face.rgba);
+        }
+    }
+
+    template <AreaLaw law>
+    void deposit(const ClippedPolygon& polygon, Rgba8 premultiplied) {
+        const float area = area_of_opacity(float(premultiplied.a) * (1 / 255.0f), law);
+        const glm::vec3 rgb = glm::vec3(float(premultiplied.r), float(premultiplied.g), float(premultiplied.b)) *
+                              (1.0f / float(premultiplied.a));
         for (std::size_t i = 2; i < polygon.size(); ++i) {
             SnappedTriangle t;
             const std::size_t from[3] = {0, i - 1, i};
@@ -284,21 +294,8 @@ class ZBufferRenderer {
             const DepthPlane plane(t, doubled_area);
             scan_convert(t, to_, [&](int y, int begin, int end) {
                 const float row = plane.row(y);
-                buffers_.far_drawn(begin, y, end, y + 1);
-                for (int x = begin; x < end; ++x) {
-                    const float q = plane.at(row, x);
-                    switch (law) {
-                        case AreaLaw::coherent:
-                            buffers_.deposit<AreaLaw::coherent>(x, y, q, area, r, g, b);
-                            break;
-                        case AreaLaw::mixed:
-                            buffers_.deposit<AreaLaw::mixed>(x, y, q, area, r, g, b);
-                            break;
-                        case AreaLaw::independent:
-                            buffers_.deposit<AreaLaw::independent>(x, y, q, area, r, g, b);
-                            break;
-                    }
-                }
+                buffers_.deposit_row<law>(
+                    y, begin, end, [&](int x) { return plane.at(row, x); }, area, rgb);
             });
         }
     }
@@ -321,9 +318,8 @@ class ZBufferRenderer {
         const float footprint = splat.footprint * samples_per_area;
         const float half = 0.5f * std::sqrt(footprint);
         const float share = splat.area / splat.footprint;  // deposited where it covers a whole sample
-        const float byte = 1 / 255.0f;
-        buffers_.deposit_square<law>(x - half, y - half, x + half, y + half, q, share, float(splat.rgb.r) * byte,
-                                     float(splat.rgb.g) * byte, float(splat.rgb.b) * byte);
+        const glm::vec3 rgb = glm::vec3(float(splat.rgb.r), float(splat.rgb.g), float(splat.rgb.b)) * (1 / 255.0f);
+        buffers_.deposit_square<law>(x - half, y - half, x + half, y + half, q, share, rgb);
     }
 
     ZBufferOptions options_;
