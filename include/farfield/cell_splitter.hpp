@@ -191,8 +191,7 @@ class CellSplitter {
             splits = !l.would_not_pay && !l.no_memory;
         }
         // A single child with all the items is progress only if a later split can tell them apart.
-        if (splits && node.answer != Split::always && std::has_single_bit(node.child_mask) &&
-            cannot_be_told_apart(items)) {
+        if (splits && node.answer != Split::always && cannot_be_told_apart(items, l, node.child_mask)) {
             l.one_place = true;
             splits = false;
         }
@@ -223,9 +222,16 @@ class CellSplitter {
         }
     }
 
-    static bool cannot_be_told_apart(std::span<const Item> items) {
-        const glm::vec3 first = items[0].bounds.center();
-        return std::all_of(items.begin(), items.end(), [&](const Item& i) { return i.bounds.center() == first; });
+    /// A single child with all the items is progress only if a later split can tell them apart; children that each get
+    /// nearly all of them (duplicates by the thousand, as large as the cell) are none.
+    static bool cannot_be_told_apart(std::span<const Item> items, const LevelNode& l, std::uint8_t child_mask) {
+        if (std::has_single_bit(child_mask)) {
+            const glm::vec3 first = items[0].bounds.center();
+            return std::all_of(items.begin(), items.end(), [&](const Item& i) { return i.bounds.center() == first; });
+        }
+        std::size_t handed_down = 0;
+        for (const std::size_t n : l.count) handed_down += n;
+        return items_are_shared && 4 * handed_down > 3 * items.size() * std::size_t(std::popcount(child_mask));
     }
 
     auto touches(std::uint32_t source) const {

@@ -23,26 +23,42 @@
 
 namespace farfield {
 
+namespace detail {
+template <class P>
+concept HasBounds = requires(const P& p) {
+    p.bounds();
+};
+template <class P, class Sink>
+concept HasPolygons = requires(const P& p, Sink& sink) {
+    p.polygons(sink);
+};
+template <class P>
+concept HasColor = requires(const P& p) {
+    { p.color() } -> std::convertible_to<glm::vec4>;
+};
+template <class P>
+concept HasWork = requires(const P& p) {
+    { p.work() } -> std::same_as<Work>;
+};
+template <class P, class F>
+concept HasVisitInstance = requires(const P& p, F& f) {
+    p.visit_instance(f);
+};
+}  // namespace detail
+
 /// Specialize for types that cannot have members; give static functions of the same names that take the primitive
 /// first. A specialization replaces this template whole.
 template <class P>
 struct primitive_traits {
-    static auto bounds(const P& p) requires requires { p.bounds(); }
-    { return p.bounds(); }
+    // clang-format off
+    static auto bounds(const P& p) requires detail::HasBounds<P> { return p.bounds(); }
     template <class Sink>
-    static void polygons(const P& p, Sink&& sink) requires requires {
-        p.polygons(sink);
-    }
-    { p.polygons(sink); }
-    static glm::vec4 color(const P& p) requires requires { p.color(); }
-    { return p.color(); }
-    static Work work(const P& p) requires requires { p.work(); }
-    { return p.work(); }
+    static void polygons(const P& p, Sink&& sink) requires detail::HasPolygons<P, Sink> { p.polygons(sink); }
+    static glm::vec4 color(const P& p) requires detail::HasColor<P> { return p.color(); }
+    static Work work(const P& p) requires detail::HasWork<P> { return p.work(); }
     template <class F>
-    static bool visit_instance(const P& p, F&& f) requires requires {
-        p.visit_instance(f);
-    }
-    { return p.visit_instance(f); }
+    static bool visit_instance(const P& p, F&& f) requires detail::HasVisitInstance<P, F> { return p.visit_instance(f); }
+    // clang-format on
 };
 
 namespace archetype {

@@ -36,7 +36,8 @@ struct Camera {
     }
     /// `height` is what the image's height shows, in world units.
     static Camera orthographic(glm::dvec3 eye, glm::dvec3 target, glm::vec3 up, float height, float near_depth = 0) {
-        if (!(height > 0)) throw std::invalid_argument("farfield::Camera: the height seen must be above 0");
+        if (!(height > 0 && std::isfinite(height)))
+            throw std::invalid_argument("farfield::Camera: the height seen must be above 0");
         return looking(eye, target, up, Projection::orthographic, height / 2, near_depth);
     }
 
@@ -49,7 +50,8 @@ struct Camera {
         if (!(lengths > 0) || !std::isfinite(lengths)) {
             throw std::invalid_argument("farfield::Camera: eye, target and up must be finite and span a plane");
         }
-        if (!(near_depth >= 0)) throw std::invalid_argument("farfield::Camera: near_depth must be 0 or more");
+        if (!(near_depth >= 0 && std::isfinite(near_depth)))
+            throw std::invalid_argument("farfield::Camera: near_depth must be 0 or more");
         const glm::dvec3 f = glm::normalize(forward);
         const glm::dvec3 r = glm::normalize(right);
         return {eye, glm::vec3(r), glm::vec3(glm::cross(r, f)), glm::vec3(f), projection, half_height, near_depth};

@@ -95,6 +95,7 @@ class Viewer {
     /// One entry of a hierarchy: the outermost one, or an instance.
     template <class H2, class P2>
     struct Visit {
+        using primitive_type = P2;
         const H2& hierarchy;
         Source<P2> source;
         const LocalView& view;
@@ -155,6 +156,12 @@ class Viewer {
         queue_.flush(v.source);
     }
 
+    /// Drawing a subtree as one run gives up its order. Instances need it for the stand-ins inside of them, and a
+    /// renderer that wants cells front to back hides some behind others.
+    template <class V>
+    static constexpr bool may_draw_whole =
+        !PrimitiveWithInstance<typename V::primitive_type> && R::facts.order == Order::any;
+
     template <class V, class CellData>
     void visit(V& v, std::uint32_t index, const Cell& cell, std::uint32_t end_item, const CellData* data,
                PlaneMask mask) {
@@ -174,7 +181,9 @@ class Viewer {
                                   node.levels_to_last_stand_in != 0;
         if constexpr (A::facts.stands_in) {
             const A& approximation = h.approximation_policy();
-            if (data != nullptr && approximation.error_px(*data, cell, v.view) <= v.view.tolerance_px) {
+            // A tolerance of 0 means every primitive, also of a cell without extent.
+            if (data != nullptr && v.view.tolerance_px > 0 &&
+                approximation.error_px(*data, cell, v.view) <= v.view.tolerance_px) {
                 stand_in(v, *data, cell);
                 return;
             }
@@ -183,15 +192,15 @@ class Viewer {
                     may_stand_in_below &&
                     approximation.least_error_px(cell, node.levels_to_last_stand_in, v.view) <= v.view.tolerance_px;
             }
-            if constexpr (R::facts.answers_hidden) {
-                if (end_item - node.first_item > asking_pays_above && renderer_.hidden(cell, CellId{v.path, index})) {
-                    ++stats_.cells_hidden;
-                    return;
-                }
+        }
+        if constexpr (R::facts.answers_hidden) {
+            if (end_item - node.first_item > asking_pays_above && renderer_.hidden(cell, CellId{v.path, index})) {
+                ++stats_.cells_hidden;
+                return;
             }
         }
-        if (node.child_mask == 0 ||
-            (!may_stand_in_below && (mask == 0 || end_item - node.first_item <= culling_pays_above))) {
+        const bool is_small = end_item - node.first_item <= culling_pays_above;
+        if (node.child_mask == 0 || (!may_stand_in_below && may_draw_whole<V> && (mask == 0 || is_small))) {
             draw_items(v, node.first_item, end_item);
             return;
         }
@@ -252,18 +261,34 @@ class Viewer {
         using P2 = std::remove_cvref_t<decltype(v.source[0])>;
         if (!v.source.order.empty()) stats_.touched_bytes += std::uint64_t(end - first) * sizeof(std::uint32_t);
         if constexpr (PrimitiveWithInstance<P2>) {
+            // Whatever is no instance first, then instances front to back: their stand-ins must find the geometry
+            // before them drawn. Entries of this run lie above those of the runs that led here.
+            const std::size_t base = instances_.size();
             std::uint32_t begin = first;
             for (std::uint32_t at = first; at < end; ++at) {
-                const P2& p = v.source[at];
-                const bool is_instance = primitive_traits<P2>::visit_instance(p, [&](const auto& instance) {
-                    add_range(v, begin, at);
-                    if (is_new(v, at)) draw_instance(v, instance, std::uint64_t(&p - v.source.primitives.data()));
-                });
-                if (is_instance) begin = at + 1;
+                if (!primitive_traits<P2>::visit_instance(v.source[at], [](const auto&) {})) continue;
+                add_range(v, begin, at);
+                begin = at + 1;
+                if (is_new(v, at)) instances_.push_back({distance_to(v, v.source[at]), at});
             }
-            first = begin;
+            add_range(v, begin, end);
+            std::sort(instances_.begin() + std::ptrdiff_t(base), instances_.end());
+            for (std::size_t i = base; i < instances_.size(); ++i) {
+                const P2& p = v.source[instances_[i].second];
+                primitive_traits<P2>::visit_instance(p, [&](const auto& instance) {
+                    draw_instance(v, instance, std::uint64_t(&p - v.source.primitives.data()));
+                });
+            }
+            instances_.resize(base);
+        } else {
+            add_range(v, first, end);
         }
-        add_range(v, first, end);
+    }
+
+    template <class V, class P2>
+    static float distance_to(const V& v, const P2& primitive) {
+        const Box box = local_bounds(primitive, v.source.origin);
+        return v.view.is_perspective ? glm::distance(box.center(), v.view.eye) : v.view.depth(box.center());
     }
 
     template <class V, class I>
@@ -307,6 +332,7 @@ class Viewer {
     FrameStats stats_;
     std::vector<SourceState> sources_;  ///< sorted
     DrawQueue<R> queue_;
+    std::vector<std::pair<float, std::uint32_t>> instances_;  ///< a stack of runs: distance, position
 };
 
 /// Prefer this to naming the type: where something is missing, compilers say what.

@@ -57,7 +57,7 @@ void emit_polygon(const Face& face, Sink&& sink) {
     if ((face.side & 1) == 0) std::swap(corners[1], corners[3]);  // counter-clockwise seen from outside
     const glm::vec4 c = to_vec4(face.rgba);
     const Rgba8 color = to_rgba8(glm::vec4(glm::vec3(c) / c.a, c.a));
-    sink(Polygon{corners, {&color, 1}});
+    sink(Polygon{corners, {&color, 1}, /*is_lit=*/true});
 }
 
 /// A lower bound, in pixels, of the projected side of cells `levels` below this one, each half as large as its parent.

@@ -34,7 +34,9 @@ struct ColorCube {
     Opacity opacity = Opacity::blended;
     float coverage_threshold = 0.5f;
 
-    using draft = std::array<glm::vec4, 6>;  ///< premultiplied, of the whole face of the cell
+    /// Premultiplied, of the whole face of the cell. Alpha may exceed 1 where loose contents lie side by side beyond
+    /// it: a neighbor has that much less, and their parent is right again.
+    using draft = std::array<glm::vec4, 6>;
     using cell_data = std::array<Rgba8, 6>;  ///< premultiplied; sides -x, +x, -y, +y, -z, +z
     struct pool_element {};
     static constexpr ApproximationFacts facts{
@@ -71,7 +73,7 @@ struct ColorCube {
     cell_data finish(const Cell&, const draft& d, std::vector<pool_element>&) const {
         cell_data data;
         for (unsigned side = 0; side < 6; ++side) {
-            const glm::vec4 c = d[side];
+            const glm::vec4 c = d[side] * (d[side].a > 1 ? 1 / d[side].a : 1.0f);
             if (opacity == Opacity::blended) {
                 data[side] = to_rgba8(c);
             } else {
@@ -123,10 +125,10 @@ struct ColorCube {
 
   private:
     glm::vec4 over(glm::vec4 front, glm::vec4 back) const {
-        if (opacity == Opacity::blended) return front + back * (1 - front.a);  // Porter and Duff 1984
+        if (opacity == Opacity::blended) return front + back * glm::max(0.0f, 1 - front.a);  // Porter and Duff 1984
         // "A variation on the over operation ... designed to prevent large opaque surfaces from becoming transparent
         // at coarser levels ... assuming that the front and back faces' coverage values have minimal overlap."
-        const float seen = back.a > 0 ? glm::min(1.0f, (1 - front.a) / back.a) : 0.0f;
+        const float seen = back.a > 0 ? glm::clamp((1 - front.a) / back.a, 0.0f, 1.0f) : 0.0f;
         return front + back * seen;
     }
 
@@ -160,7 +162,7 @@ struct ColorCube {
             if (sum[3] == 0 || !(face > 0)) continue;
             const glm::vec4 total = glm::vec4(float(sum[0]), float(sum[1]), float(sum[2]), float(sum[3])) *
                                     (square[u] * square[v] / (255 * face));
-            d[s] = total * (total.a > 1 ? 1 / total.a : 1.0f);
+            d[s] = total;
         }
         return d;
     }
@@ -183,7 +185,6 @@ struct ColorCube {
                 if (face > 0) d[std::size_t(s)] += premultiplied * (0.5f * std::abs(doubled_area[s / 2]) / face);
             }
         });
-        for (glm::vec4& c : d) c *= c.a > 1 ? 1 / c.a : 1.0f;
         return d;
     }
 };

@@ -84,6 +84,7 @@ class GridSampler {
                 }
                 corners.one_color =
                     one_color || (corners.color[0] == corners.color[1] && corners.color[0] == corners.color[2]);
+                corners.is_lit = polygon.is_lit;
                 add(grid, corners, out);
             }
         });
@@ -93,7 +94,7 @@ class GridSampler {
     struct Corners {
         glm::vec3 position[3];
         Rgba8 color[3];
-        bool one_color;
+        bool one_color, is_lit;
         std::int32_t at[3][3];  ///< [axis][corner], 1/256 square from the lower corner of the box
         int first[3], last[3];  ///< by axis, of the samples inside the bounding box
     };
@@ -150,8 +151,9 @@ class GridSampler {
         const float inverse_area = 1.0f / float(doubled_area);
         const float by_e1 = (depth[1] - depth[0]) * inverse_area, by_e2 = (depth[2] - depth[0]) * inverse_area;
         float brightness[2] = {1, 1};  // as seen from below and from above
-        if (light) light_sides(c, front_looks_up, brightness);
-        const bool plain = c.one_color && !light;
+        const bool takes_light = light && !c.is_lit;
+        if (takes_light) light_sides(c, front_looks_up, brightness);
+        const bool plain = c.one_color && !takes_light;
         const std::size_t squares = std::size_t(grid.n) * grid.n;
         for (int sv = c.first[va]; sv <= c.last[va]; ++sv) {
             Int e0 = edge[0], e1 = edge[1], e2 = edge[2];

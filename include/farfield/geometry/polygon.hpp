@@ -16,6 +16,8 @@ template <class T>
 struct BasicPolygon {
     std::span<const glm::vec<3, T>> vertices;
     std::span<const Rgba8> colors;
+    /// The colors hold the light already: set by stand-ins, whose light was baked in when they were built.
+    bool is_lit = false;
 };
 
 using Polygon = BasicPolygon<float>;
@@ -40,7 +42,7 @@ void map_polygon(const BasicPolygon<From>& polygon, Map&& map, Sink&& sink) {
             vertices[i + 1] = map(polygon.vertices[first + i]);
             colors[i + 1] = polygon.colors[one_color ? 0 : first + i];
         }
-        sink(BasicPolygon<To>{{vertices, count + 1}, {colors, one_color ? 1 : count + 1}});
+        sink(BasicPolygon<To>{{vertices, count + 1}, {colors, one_color ? 1 : count + 1}, polygon.is_lit});
         first += count - 1;
     }
 }

@@ -13,8 +13,10 @@
 
 namespace farfield {
 
+/// Not finite as soon as one coordinate is not: minimum and maximum alone may lose a NaN.
 inline Box bounds_of(const std::array<glm::vec3, 3>& v) {
-    return {glm::min(v[0], glm::min(v[1], v[2])), glm::max(v[0], glm::max(v[1], v[2]))};
+    const glm::vec3 zero = v[0] * 0.0f + v[1] * 0.0f + v[2] * 0.0f;
+    return {glm::min(v[0], glm::min(v[1], v[2])) + zero, glm::max(v[0], glm::max(v[1], v[2])) + zero};
 }
 
 /// A triangle of one color, counter-clockwise seen from its front.
