@@ -22,7 +22,7 @@ int main() {
 
     ZBufferRenderer renderer;  // or one of your own
     auto viewer = make_viewer(hierarchy, grass, renderer);
-    const auto camera = Camera::perspective({500, 60, 1300}, {500, 0, 500}, {0, 1, 0}, 0.8f);
+    const auto camera = Camera::perspective({500, 200, 3000}, {500, 0, 0}, {0, 1, 0}, 0.8f);
     const auto stats = viewer.frame({.camera = camera, .width = 640, .height = 360, .tolerance_px = 1});
     std::cout << stats.approximations << " stand-ins and " << stats.primitives << " triangles drawn for "
               << grass.size() << " triangles\n";  // the picture is renderer.image()

@@ -51,14 +51,15 @@ class Viewer {
     /// that the hierarchy, or an instance in it, was built from.
     Viewer(const H& hierarchy, std::span<const P> primitives, R& renderer)
         : hierarchy_(hierarchy), primitives_(primitives), renderer_(renderer), queue_(renderer, stats_) {
-        add_source(hierarchy, primitives);
+        try {
+            add_source(hierarchy, primitives);
+        } catch (...) {
+            page_out_sources();
+            throw;
+        }
         std::sort(sources_.begin(), sources_.end(), before);
     }
-    ~Viewer() {
-        if constexpr (R::facts.keeps_sources) {
-            for (const SourceState& s : sources_) renderer_.page_out(s.id);
-        }
-    }
+    ~Viewer() { page_out_sources(); }
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
@@ -112,15 +113,21 @@ class Viewer {
         return {primitives, h.order(), h.item_count(), h.origin(), id};
     }
 
+    void page_out_sources() {
+        if constexpr (R::facts.keeps_sources) {
+            for (const SourceState& s : sources_) renderer_.page_out(s.id);
+        }
+    }
+
     template <class H2, class P2>
     void add_source(const H2& h, std::span<const P2> primitives) {
-        for (const SourceState& s : sources_) {
-            if (s.hierarchy == &h && s.primitives == primitives.data()) return;
-        }
         if (primitives.size() != h.primitive_count()) {
             throw std::invalid_argument("farfield::Viewer: the hierarchy was built from " +
                                         std::to_string(h.primitive_count()) + " primitives and is given " +
                                         std::to_string(primitives.size()));
+        }
+        for (const SourceState& s : sources_) {
+            if (s.hierarchy == &h && s.primitives == primitives.data()) return;
         }
         if (h.is_from_file() && detail::fingerprint_of(primitives) != h.fingerprint()) {
             throw std::invalid_argument(

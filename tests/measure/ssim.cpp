@@ -73,8 +73,7 @@ double brute_force(const Image& a, const Image& b, PixelRect r) {
             const double ma = weighted_mean([&](int x, int y) { return luma(a.at(x, y)); });
             const double mb = weighted_mean([&](int x, int y) { return luma(b.at(x, y)); });
             const auto covariance = [&](const Image& p, double mp, const Image& q, double mq) {
-                return weighted_mean(
-                    [&](int x, int y) { return (luma(p.at(x, y)) - mp) * (luma(q.at(x, y)) - mq); });
+                return weighted_mean([&](int x, int y) { return (luma(p.at(x, y)) - mp) * (luma(q.at(x, y)) - mq); });
             };
             sum += (2 * ma * mb + c1) / (ma * ma + mb * mb + c1) * (2 * covariance(a, ma, b, mb) + c2) /
                    (covariance(a, ma, a, ma) + covariance(b, mb, b, mb) + c2);

@@ -1,0 +1,50 @@
+#include "farfield/approximation/cell_faces.hpp"
+
+#include <cmath>
+
+#include "catch.hpp"
+#include "support/random.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+
+TEST_CASE("faces as polygons look outwards and give back the color", "[approximation]") {
+    Random random(40);
+    for (unsigned side = 0; side < 6; ++side) {
+        Cell cell;
+        cell.center = random.in_cube(3);
+        cell.half = {0.5f, 0.25f, 1};
+        const Rgba8 color{100, 50, 0, 200};
+        int polygons = 0;
+        emit_polygon(face_of(cell, side, color), [&](const Polygon& p) {
+            ++polygons;
+            REQUIRE(p.vertices.size() == 4);
+            const glm::vec3 n = glm::cross(p.vertices[1] - p.vertices[0], p.vertices[2] - p.vertices[0]);
+            const int axis = int(side / 2);
+            CHECK((side & 1 ? n[axis] > 0 : n[axis] < 0));
+            CHECK(std::abs(n[(axis + 1) % 3]) < 1e-6f);
+            CHECK(glm::length(n) == Approx(4 * cell.half[(axis + 1) % 3] * cell.half[(axis + 2) % 3]));
+            REQUIRE(p.colors.size() == 1);
+            CHECK(p.colors[0].a == 200);
+            CHECK(std::abs(p.colors[0].r - 127.5) <= 1);
+            CHECK(std::abs(p.colors[0].g - 63.75) <= 1);
+            for (const glm::vec3& v : p.vertices)
+                CHECK(v[axis] == cell.center[axis] + (side & 1 ? cell.half[axis] : -cell.half[axis]));
+        });
+        CHECK(polygons == 1);
+        emit_polygon(face_of(cell, side, {0, 0, 0, 0}), [&](const Polygon&) { ++polygons; });
+        CHECK(polygons == 1);
+    }
+}
+
+TEST_CASE("small is what takes no more than the limit where it is", "[approximation]") {
+    View v;
+    v.camera = Camera::perspective({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1);
+    const LocalView view(v, {}, 10);
+    const float side = 2.0f * 5 / view.focal_px;
+    CHECK(is_small({0, 0, -5}, side * 0.999f, view, 2));
+    CHECK_FALSE(is_small({0, 0, -5}, side * 1.001f, view, 2));
+    CHECK_FALSE(is_small({0, 0, -5}, side * 0.5f, view, 0));
+    CHECK_FALSE(is_small({0, 0, 0}, side * 1e-6f, view, 2));
+    CHECK_FALSE(is_small({0, 0, 5}, side * 1e-6f, view, 2));
+}

@@ -1,0 +1,205 @@
+// Without tolerance a hierarchy must change nothing: every composable triple against a plain loop over the primitives.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "catch.hpp"
+#include "support/pictures.hpp"
+#include "support/scenes.hpp"
+#include "support/variants.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+
+namespace {
+
+std::vector<View> views_of(int size) {
+    std::vector<View> views{looking({3, 1, 2}, {}, size),
+                            looking({0.2, 0.1, 0.3}, {1, 0.3, -0.4}, size),
+                            looking({1.2, -0.4, 0.1}, {0, 0, 0}, size),
+                            looking({0, 9, 0}, {0, 0, 0.1}, size),
+                            looking_orthographic({2, 3, 4}, {}, 3, size),
+                            looking_orthographic({0, 0, 0}, {1, 0, 0}, 0.7f, size)};
+    views[1].height = size / 2 + 5;
+    views[4].width = size + 33;
+    return views;
+}
+
+/// Is a part of the triangle inside the frustum, by a margin? Clipped in double against planes moved inwards.
+bool reaches_into_frustum(const Triangle& t, const LocalView& view, double margin) {
+    std::vector<glm::dvec3> polygon(t.vertices.begin(), t.vertices.end());
+    for (const glm::vec4& plane : view.planes) {
+        std::vector<glm::dvec3> out;
+        const auto inside = [&](glm::dvec3 p) { return glm::dot(glm::dvec3(plane), p) + double(plane.w) - margin; };
+        for (std::size_t i = 0; i < polygon.size(); ++i) {
+            const glm::dvec3 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+            const double da = inside(a), db = inside(b);
+            if (da >= 0) out.push_back(a);
+            if ((da >= 0) != (db >= 0)) out.push_back(a + (b - a) * (da / (da - db)));
+        }
+        polygon = out;
+    }
+    return !polygon.empty();
+}
+
+}  // namespace
+
+TEST_CASE("without tolerance the picture is that of a plain loop, byte for byte") {
+    const Triangles triangles = mixed_triangles(6000, 1);
+    for (const int samples : {1, 4}) {
+        const ZBufferOptions options{.samples = samples, .background = {20, 40, 60, 255}, .light = DirectionalLight{}};
+        std::vector<Image> plain;
+        const std::vector<View> views = views_of(96);
+        for (const View& view : views) plain.push_back(plain_picture<Triangle>(triangles, view, options));
+        for (const Variant& variant : all_variants()) {
+            const auto h = variant.build(triangles);
+            ZBufferRenderer renderer(options);
+            const auto viewer = h->viewer(renderer);
+            for (std::size_t i = 0; i < views.size(); ++i) {
+                INFO(variant.name << ", view " << i << ", " << samples << " samples");
+                const FrameStats stats = viewer->frame(views[i]);
+                CHECK(stats.approximations == 0);
+                CHECK(different_pixels(renderer.image(), plain[i]) == 0);
+            }
+        }
+    }
+}
+
+TEST_CASE("without tolerance translucent triangles too look as in a plain loop") {
+    Triangles triangles = random_triangles(1500, 2, 0.2f);
+    Random random(3);
+    for (Triangle& t : triangles) t.rgba.a = std::uint8_t(random.below(256));
+    const View view = looking({3, 1, 2}, {}, 96);
+    const Image plain = plain_picture<Triangle>(triangles, view);
+    for (const Variant& variant : all_variants()) {
+        INFO(variant.name);
+        CHECK(different_pixels(variant.build(triangles)->picture(view), plain) == 0);
+    }
+}
+
+TEST_CASE("without tolerance every primitive in the frustum is handed over exactly once") {
+    const Triangles triangles = mixed_triangles(5000, 4);
+    for (const Variant& variant : all_variants()) {
+        const auto h = variant.build(triangles);
+        std::size_t view_index = 0;
+        for (View view : views_of(200)) {
+            INFO(variant.name << ", view " << view_index++);
+            Recorder recorder;
+            const FrameStats stats = h->frame(view, recorder);
+            std::vector<int> times(triangles.size());
+            for (const auto& draw : recorder.draws) ++times[draw.primitive];
+            CHECK(std::count_if(times.begin(), times.end(), [](int n) { return n > 1; }) == 0);
+            CHECK(recorder.faces.empty());
+            CHECK(recorder.splats.empty());
+            CHECK(stats.primitives == recorder.draws.size());
+            const LocalView local = local_view<Triangle>(triangles, view);
+            std::size_t missing = 0;
+            for (std::size_t i = 0; i < triangles.size(); ++i) {
+                missing += times[i] == 0 && reaches_into_frustum(triangles[i], local, 1e-5);
+            }
+            CHECK(missing == 0);
+        }
+    }
+}
+
+TEST_CASE("with tolerance no primitive is handed over twice, nor stands in a cell's place twice") {
+    const Triangles triangles = mixed_triangles(5000, 5);
+    for (const Variant& variant : all_variants()) {
+        const auto h = variant.build(triangles);
+        for (const float tolerance : {0.5f, 2.0f, 8.0f}) {
+            INFO(variant.name << ", tolerance " << tolerance);
+            Recorder recorder;
+            const FrameStats stats = h->frame(looking({20, 5, 10}, {}, 256, tolerance), recorder);
+            std::vector<int> times(triangles.size());
+            for (const auto& draw : recorder.draws) ++times[draw.primitive];
+            CHECK(std::count_if(times.begin(), times.end(), [](int n) { return n > 1; }) == 0);
+            CHECK(stats.primitives == recorder.draws.size());
+            CHECK(stats.faces == recorder.faces.size());
+            CHECK(stats.splats == recorder.splats.size());
+            CHECK(stats.runs == recorder.ranges);
+            if (tolerance == 8) CHECK((stats.approximations > 0) == variant.stands_in);
+        }
+    }
+}
+
+TEST_CASE("a larger tolerance never draws more primitives") {
+    const Triangles triangles = random_triangles(8000, 6, 0.03f);
+    for (const Variant& variant : all_variants()) {
+        const auto h = variant.build(triangles);
+        for (const glm::dvec3 eye : {glm::dvec3(3, 1, 2), glm::dvec3(0.1, 0.2, 0.1), glm::dvec3(-20, 3, 1)}) {
+            std::uint64_t before = ~std::uint64_t(0);
+            for (const float tolerance : {0.0f, 0.25f, 0.5f, 1.0f, 2.0f, 4.0f, 8.0f, 64.0f}) {
+                INFO(variant.name << ", tolerance " << tolerance << ", eye " << eye.x);
+                Recorder recorder;
+                const FrameStats stats = h->frame(looking(eye, {0.5, 0, 0}, 256, tolerance), recorder);
+                CHECK(stats.primitives <= before);
+                before = stats.primitives;
+            }
+        }
+    }
+}
+
+// 64 samples a pixel in the reference and in the pictures compared with it, so that what is seen is the error of
+// stand-ins and not that of sampling.
+TEST_CASE("the error falls, weakly, as the tolerance falls") {
+    Triangles triangles = random_triangles(9000, 7, 0.03f);
+    append(triangles, sphere({0.2f, 0, 0}, 0.6f, 50, {200, 120, 40, 255}));
+    const ZBufferOptions options{.samples = 64};
+    const View at = looking({3, 1.5, 2.5}, {}, 96);
+    const Image exact = plain_picture<Triangle>(triangles, at, options);
+    for (const Variant& variant : all_variants()) {
+        if (!variant.stands_in) continue;
+        const auto h = variant.build(triangles);
+        double before = 1;
+        for (const float tolerance : {8.0f, 4.0f, 2.0f, 1.0f, 0.5f, 0.0f}) {
+            View view = at;
+            view.tolerance_px = tolerance;
+            const double error = rms_difference(h->picture(view, options), exact);
+            INFO(variant.name << ", tolerance " << tolerance << ": " << error << " after " << before);
+            CHECK(error <= before + 1e-4);
+            before = error;
+        }
+        CHECK(before == 0);
+    }
+}
+
+TEST_CASE("a frozen camera sees the same picture") {
+    const Triangles triangles = random_triangles(6000, 8, 0.03f);
+    for (const Variant& variant : all_variants()) {
+        INFO(variant.name);
+        const auto h = variant.build(triangles);
+        ZBufferRenderer renderer(ZBufferOptions{.samples = 4});
+        const auto viewer = h->viewer(renderer);
+        const View view = looking({5, 1, 2}, {}, 128, 1.5f);
+        viewer->frame(view);
+        const Image first = renderer.image();
+        viewer->frame(looking({-3, 0, 0}, {}, 128, 1.5f));
+        viewer->frame(view);
+        CHECK(renderer.image() == first);
+    }
+}
+
+// What may change when the eye moves by a thousandth of its distance: cells cross the tolerance, and edges move by a
+// part of a pixel. On average over the picture that is little; where one pixel flips a lot, something else is wrong.
+TEST_CASE("a camera that trembles does not make coverage flicker") {
+    const Triangles triangles = random_triangles(20000, 9, 0.02f);
+    Random random(10);
+    const ZBufferOptions options{.samples = 16};
+    for (const Variant& variant : all_variants()) {
+        const auto h = variant.build(triangles);
+        const glm::dvec3 eye(6, 2, 3);
+        const Image still = h->picture(looking(eye, {}, 96, 1.5f), options);
+        const Image plain_still = plain_picture<Triangle>(triangles, looking(eye, {}, 96), options);
+        for (int i = 0; i < 3; ++i) {
+            const glm::dvec3 there = eye + glm::dvec3(random.direction()) * (1e-3 * glm::length(eye));
+            const Image trembled = h->picture(looking(there, {}, 96, 1.5f), options);
+            const Image plain_trembled = plain_picture<Triangle>(triangles, looking(there, {}, 96), options);
+            const double change = rms_difference(trembled, still),
+                         without = rms_difference(plain_trembled, plain_still);
+            INFO(variant.name << ": " << change << ", without stand-ins " << without << ", coverage "
+                              << coverage(trembled) / coverage(still));
+            CHECK(change <= 1.5 * without);
+            CHECK(std::abs(coverage(trembled) / coverage(still) - 1) < 0.01);
+        }
+    }
+}

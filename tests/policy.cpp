@@ -1,0 +1,216 @@
+// Each condition on policies, with types that meet it and types that miss it by one thing.
+#include "farfield/policy.hpp"
+
+#include <span>
+#include <vector>
+
+#include "catch.hpp"
+#include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/color_cube_cluster.hpp"
+#include "farfield/approximation/exact.hpp"
+#include "farfield/cost/measured_time.hpp"
+#include "farfield/cost/triangle_count.hpp"
+#include "farfield/geometry/triangle.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/spatial_hierarchy.hpp"
+#include "farfield/viewer.hpp"
+#include "support/recorder.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+
+namespace {
+
+// --- partitions ------------------------------------------------------------------------------------------------------
+
+struct GoodPartition {
+    struct node_data {};
+    static constexpr PartitionFacts facts{};
+    Cell root(const Box&) const { return {}; }
+    Split choose(const Cell&, std::span<const Item>, node_data&) const { return Split::no; }
+    template <class Touches, class Emit>
+    void place(const Cell&, const node_data&, const Item&, Touches&&, Emit&& emit) const {
+        emit.keep();
+    }
+    Cell child(const Cell& c, const node_data&, unsigned) const { return c; }
+    void front_to_back(const Cell&, const node_data&, glm::vec4, ChildOrder&) const {}
+};
+struct WithoutFacts : GoodPartition {
+    int facts;
+};
+struct WithOddFacts : GoodPartition {
+    static constexpr int facts = 3;
+};
+struct WithMemory : GoodPartition {
+    struct node_data {
+        std::vector<int> planes;
+    };
+    Split choose(const Cell&, std::span<const Item>, node_data&) const { return Split::no; }
+    template <class Touches, class Emit>
+    void place(const Cell&, const node_data&, const Item&, Touches&&, Emit&&) const {}
+    Cell child(const Cell& c, const node_data&, unsigned) const { return c; }
+    void front_to_back(const Cell&, const node_data&, glm::vec4, ChildOrder&) const {}
+};
+struct SaysYesOrNo : GoodPartition {
+    bool choose(const Cell&, std::span<const Item>, node_data&) const { return false; }
+};
+struct WithoutRoot : GoodPartition {
+    void root() const {}
+};
+struct WithoutOrder : GoodPartition {
+    void front_to_back() const {}
+};
+struct ChangesWhenAsked : GoodPartition {
+    Cell child(const Cell& c, const node_data&, unsigned) { return c; }
+};
+struct SharedOnly : GoodPartition {
+    static constexpr PartitionFacts facts{.offers = shared};
+};
+struct Ordered : GoodPartition {
+    static constexpr PartitionFacts facts{.ordering = Ordering::primitives};
+};
+
+static_assert(Partition<Octree> && Partition<SharedOctree> && Partition<GoodPartition> && Partition<SharedOnly>);
+static_assert(!Partition<WithoutFacts> && !Partition<WithOddFacts> && !Partition<WithMemory> &&
+              !Partition<SaysYesOrNo>);
+static_assert(!Partition<WithoutRoot> && !Partition<WithoutOrder> && !Partition<ChangesWhenAsked>);
+static_assert(!Partition<int> && !Partition<ColorCube> && !Partition<TriangleCount>);
+
+// --- approximations --------------------------------------------------------------------------------------------------
+
+struct Nothing {
+    struct cell_data {};
+    struct pool_element {};
+    static constexpr ApproximationFacts facts{};
+};
+struct StandsInWithoutHooks : Nothing {
+    static constexpr ApproximationFacts facts{.stands_in = true};
+};
+struct BoundsErrorWithoutHook : Nothing {
+    static constexpr ApproximationFacts facts{.bounds_error = true};
+};
+struct MisspeltLeastError : Nothing {
+    static constexpr ApproximationFacts facts{.bounds_error = true};
+    float least_error(const Cell&, unsigned, const LocalView&) const { return 0; }
+};
+struct CubeWithMisspeltFinish : ColorCube {
+    void finish() const {}
+};
+struct CubeWithMisspeltError : ColorCube {
+    float error_px(const cell_data&, const Cell&) const { return 0; }
+};
+struct CubeWithoutBound : ColorCube {
+    void least_error_px() const {}
+};
+struct CubeWithoutPolygons : ColorCube {
+    void polygons() const {}
+};
+struct CubeThatDoesNotSay : CubeWithoutBound {
+    static constexpr ApproximationFacts facts{.needs = needs_polygons, .stands_in = true};
+};
+struct WithoutPool {
+    struct cell_data {};
+    static constexpr ApproximationFacts facts{};
+};
+struct OwnsMemory : Nothing {
+    struct cell_data {
+        std::vector<int> v;
+    };
+};
+struct UniqueOnly : Nothing {
+    static constexpr ApproximationFacts facts{.accepts = unique};
+};
+struct ClippedOnly : Nothing {
+    static constexpr ApproximationFacts facts{.accepts = clipped};
+};
+struct NeedsStrictOrder : Nothing {
+    static constexpr ApproximationFacts facts{.needs_ordering = Ordering::primitives};
+};
+struct NeedsCellOrder : Nothing {
+    static constexpr ApproximationFacts facts{.needs_ordering = Ordering::cells};
+};
+
+static_assert(Approximation<Exact> && Approximation<ColorCube> && Approximation<ColorCubeCluster<2>> &&
+              Approximation<Nothing>);
+static_assert(!Approximation<StandsInWithoutHooks>, "a flag makes its hooks required");
+static_assert(!Approximation<BoundsErrorWithoutHook> && !Approximation<MisspeltLeastError>);
+static_assert(!Approximation<CubeWithMisspeltFinish> && !Approximation<CubeWithMisspeltError>);
+static_assert(!Approximation<CubeWithoutBound> && !Approximation<CubeWithoutPolygons>);
+static_assert(Approximation<CubeThatDoesNotSay>, "without the flag the hook is not missed");
+static_assert(!Approximation<WithoutPool> && !Approximation<OwnsMemory> && !Approximation<Octree> &&
+              !Approximation<int>);
+
+// --- cost models -----------------------------------------------------------------------------------------------------
+
+struct GoodCost {
+    static constexpr const char* unit = "joules";
+    static constexpr std::uint32_t file_tag = 1;
+    float cost(const Work&) const { return 1; }
+};
+struct CostWithoutUnit {
+    [[maybe_unused]] static constexpr std::uint32_t file_tag = 1;
+    float cost(const Work&) const { return 1; }
+};
+struct CostWithoutTag {
+    static constexpr const char* unit = "joules";
+    float cost(const Work&) const { return 1; }
+};
+struct MisspeltCost : GoodCost {
+    float cost() const { return 1; }
+};
+struct CostWithState : GoodCost {
+    std::vector<float> table;
+};
+
+static_assert(CostModel<TriangleCount> && CostModel<MeasuredTime> && CostModel<GoodCost>);
+static_assert(!CostModel<CostWithoutUnit> && !CostModel<CostWithoutTag> && !CostModel<MisspeltCost>);
+static_assert(!CostModel<CostWithState> && !CostModel<ColorCube> && !CostModel<float>);
+
+// --- what goes together ----------------------------------------------------------------------------------------------
+
+static_assert(Composable<Octree, ColorCube, TriangleCount> &&
+              Composable<SharedOctree, ColorCubeCluster<4>, MeasuredTime>);
+static_assert(!Composable<ColorCube, Octree, TriangleCount>, "policies in the wrong places");
+static_assert(AssignmentAgreed<SharedOctree, Exact> && !AssignmentAgreed<SharedOctree, UniqueOnly>);
+static_assert(!Composable<SharedOctree, UniqueOnly, TriangleCount> && Composable<Octree, UniqueOnly, TriangleCount>);
+static_assert(!Composable<Octree, ClippedOnly, TriangleCount> && !Composable<SharedOnly, ClippedOnly, TriangleCount>);
+static_assert(OrderSufficient<Octree, NeedsCellOrder> && !OrderSufficient<GoodPartition, NeedsCellOrder>);
+static_assert(!Composable<Octree, NeedsStrictOrder, TriangleCount> &&
+              Composable<Ordered, NeedsStrictOrder, TriangleCount>);
+static_assert(SpatialHierarchy<Octree, ColorCube, TriangleCount>::assignment == unique);
+static_assert(SpatialHierarchy<SharedOctree, ColorCube, TriangleCount>::assignment == shared);
+static_assert(SpatialHierarchy<Octree, ColorCube, TriangleCount>::ordering == Ordering::cells);
+
+// --- drawing ---------------------------------------------------------------------------------------------------------
+
+using ExactHierarchy = SpatialHierarchy<Octree, Exact, TriangleCount>;
+using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
+using Plain = BasicRecorder<RendererFacts{}>;
+using Strict = BasicRecorder<RendererFacts{.order = Order::front_to_back, .needs_ordering = Ordering::primitives}>;
+using CellOrder =
+    BasicRecorder<RendererFacts{.order = Order::front_to_back, .needs_ordering = Ordering::cells, .draws_faces = true}>;
+
+static_assert(DrawableWith<ExactHierarchy, Triangle, ZBufferRenderer> &&
+              DrawableWith<Cubes, Triangle, ZBufferRenderer>);
+static_assert(DrawableWith<ExactHierarchy, Triangle, Plain>);
+static_assert(!DrawableWith<Cubes, Triangle, Plain>, "a renderer without faces cannot draw color cubes");
+static_assert(DrawsStandInsIfAny<Plain, Exact> && !DrawsStandInsIfAny<Plain, ColorCube>);
+static_assert(DrawableWith<Cubes, Triangle, CellOrder>);
+static_assert(!DrawableWith<ExactHierarchy, Triangle, Strict>, "octree cells are unordered inside");
+static_assert(DrawableWith<SpatialHierarchy<Ordered, Exact, TriangleCount>, Triangle, Strict>);
+static_assert(!DrawableWith<SpatialHierarchy<GoodPartition, Exact, TriangleCount>, Triangle, CellOrder>);
+static_assert(traversal_order<ExactHierarchy, Plain> == Order::any);
+static_assert(traversal_order<ExactHierarchy, Strict> == Order::front_to_back);
+static_assert(traversal_order<Cubes, BackToFrontRecorder> == Order::front_to_back);
+static_assert(traversal_order<ExactHierarchy, BackToFrontRecorder> == Order::back_to_front);
+
+}  // namespace
+
+TEST_CASE("a partition that never splits is a hierarchy of one cell") {
+    const std::vector<Triangle> triangles(500);
+    const auto h = SpatialHierarchy<GoodPartition, Exact, GoodCost>::build<Triangle>(triangles);
+    CHECK(h.nodes().size() == 1);
+    CHECK(h.item_count() == 500);
+    CHECK(h.report().leaves == 1);
+}

@@ -1,0 +1,85 @@
+// A renderer that draws nothing and writes down what it is given.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "farfield/renderer.hpp"
+
+namespace farfield::test {
+
+struct Recording {
+    struct Draw {
+        std::uint32_t source;  ///< as page_in numbered them
+        std::uint32_t primitive;
+        glm::vec3 eye;  ///< of the view it is drawn in
+        std::size_t faces_before;
+        std::size_t splats_before;
+    };
+    std::vector<Draw> draws;
+    std::vector<Face> faces;
+    std::vector<Splat> splats;
+    std::vector<CellId> asked;
+    std::vector<Cell> asked_cells;
+    std::vector<LocalView> views;
+    std::size_t ranges = 0, frames = 0, paged_in = 0, paged_out = 0;
+    float largest_splat = 0;
+    bool hides_everything = false;
+
+    /// Forgets what was drawn.
+    void clear() {
+        draws.clear();
+        faces.clear();
+        splats.clear();
+        asked.clear();
+        asked_cells.clear();
+        views.clear();
+        ranges = frames = 0;
+    }
+};
+
+template <RendererFacts stated>
+class BasicRecorder : public Recording {
+  public:
+    static constexpr RendererFacts facts = stated;
+
+    template <class P>
+    std::uint32_t page_in(const Source<P>&) {
+        return std::uint32_t(paged_in++);
+    }
+    void page_out(std::uint32_t) { ++paged_out; }
+    void begin_frame(const LocalView&) { ++frames; }
+    void set_view(const LocalView& view) { views.push_back(view); }
+    void end_frame() {}
+    template <class P>
+    void draw(const Source<P>& source, std::span<const Range> runs) {
+        for (const Range r : runs) {
+            ++ranges;
+            for (std::uint32_t i = r.first; i < r.first + r.count; ++i) {
+                draws.push_back({source.id, std::uint32_t(&source[i] - source.primitives.data()), views.back().eye,
+                                 faces.size(), splats.size()});
+            }
+        }
+    }
+    void draw(std::span<const Face> f) { faces.insert(faces.end(), f.begin(), f.end()); }
+    void draw(std::span<const Splat> s) { splats.insert(splats.end(), s.begin(), s.end()); }
+    float largest_splat_px() const { return largest_splat; }
+    bool hidden(const Cell& cell, CellId id) {
+        asked.push_back(id);
+        asked_cells.push_back(cell);
+        return hides_everything;
+    }
+};
+
+using Recorder = BasicRecorder<RendererFacts{
+    .keeps_sources = true, .draws_faces = true, .draws_splats = true, .answers_hidden = true}>;
+/// Stand-ins come as faces, after everything else, back to front.
+using BackToFrontRecorder = BasicRecorder<RendererFacts{.order = Order::back_to_front,
+                                                        .far_field_order = Order::back_to_front,
+                                                        .keeps_sources = true,
+                                                        .draws_faces = true}>;
+
+}  // namespace farfield::test

@@ -1,0 +1,135 @@
+// Every composable triple (triples.hpp) behind one interface, so that tests of what holds for all of them are compiled
+// once and loop at run time. Over Triangle; each approximation is compiled in a file of its own, variants_*.cpp.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "farfield/geometry/triangle.hpp"
+#include "farfield/hierarchy_parts.hpp"
+#include "farfield/local_view.hpp"
+#include "farfield/policy.hpp"
+#include "farfield/raster/z_buffer_renderer.hpp"
+#include "support/recorder.hpp"
+
+namespace farfield::test {
+
+class AnyViewer {
+  public:
+    virtual ~AnyViewer() = default;
+    virtual FrameStats frame(const View& view) = 0;
+};
+
+/// A hierarchy and the primitives it was built from, which it borrows.
+class AnyHierarchy {
+  public:
+    virtual ~AnyHierarchy() = default;
+    virtual std::span<const Node> nodes() const = 0;
+    virtual std::span<const std::uint32_t> order() const = 0;
+    virtual std::uint32_t item_count() const = 0;
+    virtual const BuildReport& report() const = 0;
+    virtual const Box& bounds() const = 0;
+    virtual const Cell& root_cell() const = 0;
+    virtual Cell child(const Cell& cell, std::uint32_t node, unsigned child) const = 0;
+    virtual void front_to_back(const Cell& cell, std::uint32_t node, glm::vec4 viewpoint, ChildOrder& order) const = 0;
+    virtual std::size_t stand_in_count() const = 0;
+    virtual bool root_has_stand_in() const = 0;
+    /// By index into stand_ins().
+    virtual float error_px(std::size_t stand_in, const Cell& cell, const LocalView& view) const = 0;
+    virtual float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const = 0;
+    virtual float cost_of(std::size_t stand_in) const = 0;
+    virtual float cost(const Work& work) const = 0;
+    /// All arrays, one after the other.
+    virtual std::vector<std::byte> bytes() const = 0;
+    virtual std::unique_ptr<AnyViewer> viewer(ZBufferRenderer& renderer) const = 0;
+    virtual std::unique_ptr<AnyViewer> viewer(Recorder& renderer) const = 0;
+    virtual std::unique_ptr<AnyViewer> viewer_of(std::span<const Triangle> other, Recorder& renderer) const = 0;
+
+    Image picture(const View& view, const ZBufferOptions& options = {}) const {
+        ZBufferRenderer renderer(options);
+        viewer(renderer)->frame(view);
+        return renderer.image();
+    }
+    /// What a fresh viewer does in one frame.
+    FrameStats frame(const View& view, Recorder& recorder) const { return viewer(recorder)->frame(view); }
+};
+
+struct Variant {
+    std::string name;
+    bool is_shared = false;
+    bool stands_in = false;
+    std::function<std::unique_ptr<AnyHierarchy>(std::span<const Triangle>, const BuildOptions&)> build_with;
+
+    std::unique_ptr<AnyHierarchy> build(std::span<const Triangle> triangles) const { return build_with(triangles, {}); }
+};
+
+/// Composable triples by approximation; defined in variants_*.cpp.
+std::vector<Variant> exact_variants();
+std::vector<Variant> color_cube_variants();
+std::vector<Variant> cluster_of_two_variants();
+std::vector<Variant> cluster_of_four_variants();
+
+inline const std::vector<Variant>& all_variants() {
+    static const std::vector<Variant> all = [] {
+        std::vector<Variant> v;
+        for (const auto& family :
+             {exact_variants(), color_cube_variants(), cluster_of_two_variants(), cluster_of_four_variants()}) {
+            v.insert(v.end(), family.begin(), family.end());
+        }
+        return v;
+    }();
+    return all;
+}
+
+/// A node as a descent finds it.
+struct NodeRef {
+    std::uint32_t index = 0;
+    std::uint32_t parent = 0;  ///< of the root: itself
+    Cell cell;
+    std::uint32_t end_item = 0;
+    std::uint32_t own_end = 0;   ///< of its own run, which begins at first_item
+    std::uint32_t end_node = 0;  ///< its proper descendants are [first_child, end_node)
+    long stand_in = -1;          ///< index into stand_ins() or -1
+};
+
+/// All nodes, parents before children, found with nothing but what Node's contract says.
+inline std::vector<NodeRef> all_nodes(const AnyHierarchy& h) {
+    std::vector<NodeRef> out;
+    const auto nodes = h.nodes();
+    const std::function<std::uint32_t(NodeRef)> visit = [&](NodeRef ref) {
+        const Node& node = nodes[ref.index];
+        const std::size_t at = out.size();
+        ref.own_end = node.child_mask ? nodes[node.first_child].first_item : ref.end_item;
+        out.push_back(ref);
+        std::uint32_t rank = 0, data_rank = 0, end = node.child_mask ? node.first_child : ref.index + 1;
+        const auto children = std::uint32_t(std::popcount(node.child_mask));
+        if (children != 0) end = node.first_child + children;
+        for (unsigned c = 0; c < 8; ++c) {
+            if ((node.child_mask >> c & 1) == 0) continue;
+            NodeRef child;
+            child.index = node.first_child + rank++;
+            child.parent = ref.index;
+            child.cell = h.child(ref.cell, ref.index, c);
+            child.end_item = rank < children ? nodes[child.index + 1].first_item : ref.end_item;
+            if (node.stand_in_mask >> c & 1) child.stand_in = long(node.first_child_data + data_rank++);
+            end = std::max(end, visit(child));
+        }
+        out[at].end_node = end;
+        return end;
+    };
+    NodeRef root;
+    root.cell = h.root_cell();
+    root.end_item = h.item_count();
+    root.stand_in = h.root_has_stand_in() ? 0 : -1;
+    visit(root);
+    return out;
+}
+
+}  // namespace farfield::test

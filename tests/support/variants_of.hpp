@@ -1,0 +1,112 @@
+// Puts triples behind the interface of variants.hpp. For variants_*.cpp alone: this is what takes long to compile.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "farfield/spatial_hierarchy.hpp"
+#include "farfield/viewer.hpp"
+#include "support/triples.hpp"
+#include "support/variants.hpp"
+
+namespace farfield::test {
+
+template <class H>
+class HierarchyOver final : public AnyHierarchy {
+    using A = typename H::approximation_type;
+    template <class R>
+    struct ViewerOf final : AnyViewer {
+        Viewer<H, Triangle, R> viewer;
+        ViewerOf(const H& h, std::span<const Triangle> triangles, R& renderer) : viewer(h, triangles, renderer) {}
+        FrameStats frame(const View& view) override { return viewer.frame(view); }
+    };
+    H hierarchy_;
+    std::span<const Triangle> triangles_;
+
+  public:
+    HierarchyOver(H h, std::span<const Triangle> triangles) : hierarchy_(std::move(h)), triangles_(triangles) {}
+
+    std::span<const Node> nodes() const override { return hierarchy_.nodes(); }
+    std::span<const std::uint32_t> order() const override { return hierarchy_.order(); }
+    std::uint32_t item_count() const override { return hierarchy_.item_count(); }
+    const BuildReport& report() const override { return hierarchy_.report(); }
+    const Box& bounds() const override { return hierarchy_.bounds(); }
+    const Cell& root_cell() const override { return hierarchy_.root_cell(); }
+    Cell child(const Cell& cell, std::uint32_t node, unsigned child) const override {
+        return hierarchy_.partition_policy().child(cell, hierarchy_.data_of(node), child);
+    }
+    void front_to_back(const Cell& cell, std::uint32_t node, glm::vec4 viewpoint, ChildOrder& order) const override {
+        hierarchy_.partition_policy().front_to_back(cell, hierarchy_.data_of(node), viewpoint, order);
+    }
+    std::size_t stand_in_count() const override { return hierarchy_.stand_ins().size(); }
+    bool root_has_stand_in() const override { return hierarchy_.root_stand_in() != nullptr; }
+    float error_px(std::size_t stand_in, const Cell& cell, const LocalView& view) const override {
+        if constexpr (A::facts.stands_in) {
+            return hierarchy_.approximation_policy().error_px(hierarchy_.stand_ins()[stand_in], cell, view);
+        } else {
+            return std::numeric_limits<float>::infinity();
+        }
+    }
+    float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const override {
+        if constexpr (A::facts.bounds_error) {
+            return hierarchy_.approximation_policy().least_error_px(cell, levels, view);
+        } else {
+            return 0;
+        }
+    }
+    float cost_of(std::size_t stand_in) const override {
+        if constexpr (A::facts.stands_in) {
+            return cost(hierarchy_.approximation_policy().work(hierarchy_.stand_ins()[stand_in]));
+        } else {
+            return 0;
+        }
+    }
+    float cost(const Work& work) const override { return hierarchy_.cost_policy().cost(work); }
+    std::vector<std::byte> bytes() const override {
+        std::vector<std::byte> out;
+        const auto add = [&](auto span) {
+            if (span.empty()) return;
+            const auto b = std::as_bytes(span);
+            out.insert(out.end(), b.begin(), b.end());
+        };
+        add(hierarchy_.nodes());
+        add(hierarchy_.order());
+        if constexpr (!std::is_empty_v<typename H::cell_data>) add(hierarchy_.stand_ins());
+        if constexpr (!std::is_empty_v<typename H::pool_element>) add(hierarchy_.pool());
+        return out;
+    }
+    std::unique_ptr<AnyViewer> viewer(ZBufferRenderer& r) const override {
+        return std::make_unique<ViewerOf<ZBufferRenderer>>(hierarchy_, triangles_, r);
+    }
+    std::unique_ptr<AnyViewer> viewer(Recorder& r) const override {
+        return std::make_unique<ViewerOf<Recorder>>(hierarchy_, triangles_, r);
+    }
+    std::unique_ptr<AnyViewer> viewer_of(std::span<const Triangle> other, Recorder& r) const override {
+        return std::make_unique<ViewerOf<Recorder>>(hierarchy_, other, r);
+    }
+};
+
+inline const char* name_of(const Octree&) {
+    return "Octree";
+}
+inline const char* name_of(const SharedOctree&) {
+    return "SharedOctree";
+}
+
+template <class... H>
+std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
+    return {Variant{
+        std::string(name_of(typename H::partition_type{})) + ", " + approximation + ", " + H::cost_model_type::unit,
+        H::assignment == shared, H::approximation_type::facts.stands_in,
+        [](std::span<const Triangle> triangles, const BuildOptions& options) {
+            return std::unique_ptr<AnyHierarchy>(std::make_unique<HierarchyOver<H>>(
+                H::template build<Triangle>(triangles, {}, {}, {}, options), triangles));
+        }}...};
+}
+
+}  // namespace farfield::test
