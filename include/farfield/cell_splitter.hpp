@@ -235,7 +235,8 @@ class CellSplitter {
     }
 
     auto touches(std::uint32_t source) const {
-        return [this, source](const Box& box) {
+        return [this, source]([[maybe_unused]] const Box& box) {
+            static_cast<void>(this), static_cast<void>(source);  // primitives without polygons
             if constexpr (PrimitiveWithPolygons<P>) {
                 bool touched = false;
                 local_polygons(primitives_[source], parts_.origin, [&](const Polygon& polygon) {

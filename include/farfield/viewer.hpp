@@ -1,7 +1,8 @@
 // One viewer's frames over one hierarchy. All that lives across frames lives here; hierarchies never change.
 //
-//     outside the frustum, or hidden as far as the renderer can tell   -> cull
+//     outside the frustum                                              -> cull
 //     has a stand-in whose error from here is within tolerance         -> draw the stand-in
+//     hidden as far as the renderer can tell                           -> cull
 //     nothing below can stand in and all of it lies in the frustum     -> draw the subtree's primitives, one run
 //     otherwise                                                        -> draw the own run, visit the children in order
 //
@@ -63,7 +64,7 @@ class Viewer {
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
-    /// Draws into the renderer. Never throws but for memory.
+    /// Draws into the renderer. Throws only what the renderer's begin_frame throws, and for memory.
     FrameStats frame(const View& view) {
         stats_ = {};
         queue_.begin_frame();
@@ -194,7 +195,7 @@ class Viewer {
                 stand_in(v, *data, cell);
                 return;
             }
-            if constexpr (A::facts.bounds_error && H::partition_type::facts.halves) {
+            if constexpr (A::facts.bounds_error && std::remove_cvref_t<decltype(h)>::partition_type::facts.halves) {
                 may_stand_in_below =
                     may_stand_in_below &&
                     approximation.least_error_px(cell, node.levels_to_last_stand_in, v.view) <= v.view.tolerance_px;
