@@ -43,7 +43,13 @@ TEST_CASE("prices of the z-buffer are those of work that takes time") {
         ZBufferRenderer renderer({.samples = samples});
         const MeasuredTime prices = calibrate(renderer, quick);
         check_prices(prices);
-        // That near ones are dearer holds on a quiet machine, and is no matter for a test on a busy one.
+        // Another program may take the processor from one measurement, hardly from each of five.
+        bool near_is_dearer = prices.near_triangle > prices.small_triangle;
+        for (int again = 0; again < 4 && !near_is_dearer; ++again) {
+            const MeasuredTime p = calibrate(renderer, quick);
+            near_is_dearer = p.near_triangle > p.small_triangle;
+        }
+        CHECK(near_is_dearer);
     }
 }
 

@@ -28,7 +28,6 @@ struct SampleProjection {
     /// q = that * q_of_inverse + depth * q_of_depth.
     float q_of_inverse = 1, q_of_depth = 0;
     float near_depth = 0;
-    float samples_per_pixel_side = 1;
     float focal = 1;  ///< in samples
     bool is_perspective = true;
     int first_x = 0, first_y = 0, end_x = 0, end_y = 0;  ///< the image, relative to the center sample
@@ -53,7 +52,6 @@ struct SampleProjection {
         q_of_inverse = is_perspective ? 1.0f / view.scale : 0.0f;
         q_of_depth = is_perspective ? 0.0f : -view.scale;
         near_depth = view.near_depth;
-        samples_per_pixel_side = float(samples_a_side);
     }
 
     /// Before division: (x, y) 1/256 samples times w, and depth.
