@@ -6,7 +6,7 @@
 
 #include "flight.hpp"
 #include "options.hpp"
-#include "picture.hpp"
+#include "report/picture.hpp"
 #include "result.hpp"
 #include "run.hpp"
 #include "setting.hpp"
@@ -37,7 +37,7 @@ void walk(const walkthrough::Options& options) {
     if (options.json_file) write_json(*options.json_file, setting, options, results);
     if (options.out_directory) {
         std::cout << "pictures: " << options.out_directory->string() << " (differences are amplified "
-                  << difference_gain << " times)\n";
+                  << farfield::report::difference_gain << " times)\n";
     }
     if (options.json_file) std::cout << "table: " << options.json_file->string() << "\n";
 }

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "built_scene.hpp"
 #include "errors.hpp"
 #include "options.hpp"
+#include "scenes/built_scene.hpp"
 #include "setting.hpp"
 
 namespace walkthrough {
@@ -22,7 +22,7 @@ struct Drawn {
 
 struct Result {
     std::string name;
-    BuildFacts build;
+    farfield::scenes::BuildFacts build;
     std::vector<double> frame_ms;  ///< in the order in which they were drawn
     std::vector<double> exact_ms;  ///< of exact, each right before the variant's
     Drawn drawn;

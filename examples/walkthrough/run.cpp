@@ -5,16 +5,19 @@
 #include <memory>
 #include <string>
 
-#include "picture.hpp"
-#include "progress.hpp"
+#include "report/picture.hpp"
+#include "report/progress.hpp"
 #include "variants.hpp"
 
 namespace walkthrough {
 namespace {
 
+namespace report = farfield::report;
 using farfield::FrameStats;
 using farfield::Image;
 using farfield::View;
+using farfield::scenes::BuiltScene;
+using farfield::scenes::SceneViewer;
 
 /// Exact at 64 samples a pixel, of one frame.
 struct Reference {
@@ -61,9 +64,9 @@ class Run {
             const View view = view_of(frame);
             viewer->frame(view);
             const Image& image = viewer->image();
-            Reference reference{frame, image, over_background(image, setting_), std::nullopt};
+            Reference reference{frame, image, report::over_background(image, setting_.background), std::nullopt};
             if (options_.distance) reference.rect = projected_rect(setting_.bounds, view);
-            if (options_.out_directory) write_png(reference.over_background, file("reference", frame));
+            if (options_.out_directory) report::write_png(reference.over_background, file("reference", frame));
             references_.push_back(std::move(reference));
             progress_.step();
         }
@@ -118,11 +121,12 @@ class Run {
     }
 
     void compare(const Image& image, const Reference& reference, Result& result) const {
-        const Image picture = over_background(image, setting_);
+        const Image picture = report::over_background(image, setting_.background);
         result.errors.add(image, reference.image, picture, reference.over_background, reference.rect);
         if (!options_.out_directory) return;
-        write_png(picture, file(result.name, reference.frame));
-        write_png(difference(picture, reference.over_background), file(result.name, reference.frame, "_difference"));
+        report::write_png(picture, file(result.name, reference.frame));
+        report::write_png(report::difference(picture, reference.over_background),
+                          file(result.name, reference.frame, "_difference"));
     }
 
     std::filesystem::path file(const std::string& what, int frame, const char* kind = "") const {
@@ -134,7 +138,7 @@ class Run {
     const Setting& setting_;
     const Options& options_;
     const Flight& flight_;
-    Progress progress_;
+    report::Progress progress_;
     std::unique_ptr<BuiltScene> exact_;
     std::unique_ptr<SceneViewer> exact_viewer_;
     std::vector<Reference> references_;

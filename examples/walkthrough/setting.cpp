@@ -52,8 +52,7 @@ Setting make_setting(const std::string& asked) {
     setting.bounds = farfield::scenes::bounds(setting.scene);
     if (setting.bounds.is_empty()) throw UsageError("nothing to draw in '" + asked + "'");
     const bool outdoors = generated && asked != "molecule" && asked != "tree";
-    setting.background_top = outdoors ? farfield::Rgba8{126, 173, 224} : farfield::Rgba8{255, 255, 255};
-    setting.background_bottom = outdoors ? farfield::Rgba8{222, 236, 247} : farfield::Rgba8{255, 255, 255};
+    if (outdoors) setting.background = {{126, 173, 224, 255}, {222, 236, 247, 255}};
     setting.culls_back_faces = generated ? asked == "molecule" : has_atoms(asked);
     return setting;
 }

@@ -4,17 +4,16 @@
 #include <string>
 
 #include "farfield/geometry/box.hpp"
-#include "farfield/geometry/rgba8.hpp"
+#include "report/picture.hpp"
 #include "scenes/scene.hpp"
 
 namespace walkthrough {
 
 struct Setting {
     farfield::scenes::Scene scene;
-    std::string name;                ///< fit for file names
-    farfield::Box bounds;            ///< not empty
-    farfield::Rgba8 background_top;  ///< opaque, a gradient down the image
-    farfield::Rgba8 background_bottom;
+    std::string name;      ///< fit for file names
+    farfield::Box bounds;  ///< not empty
+    farfield::report::Background background;
     bool culls_back_faces = false;  ///< all surfaces are closed and counter-clockwise from outside
 };
 

@@ -2,7 +2,7 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/cost/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
-#include "placed_scene.hpp"
+#include "scenes/placed_scene.hpp"
 #include "variants.hpp"
 
 namespace walkthrough {
@@ -10,7 +10,7 @@ namespace {
 
 using farfield::ColorCube;
 using farfield::Octree;
-using Scene = PlacedScene<farfield::SpatialHierarchy<Octree, ColorCube, farfield::TriangleCount>>;
+using Scene = farfield::scenes::PlacedScene<farfield::SpatialHierarchy<Octree, ColorCube, farfield::TriangleCount>>;
 
 Octree adaptive(std::size_t) {
     return {};
@@ -26,15 +26,15 @@ Octree uniform(std::size_t primitives) {
 
 }  // namespace
 
-std::unique_ptr<BuiltScene> build_color_cube(const farfield::scenes::Scene& scene) {
+std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube(const farfield::scenes::Scene& scene) {
     return std::make_unique<Scene>(scene, adaptive, ColorCube{});
 }
 
-std::unique_ptr<BuiltScene> build_color_cube_direct(const farfield::scenes::Scene& scene) {
+std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_direct(const farfield::scenes::Scene& scene) {
     return std::make_unique<Scene>(scene, adaptive, ColorCube{.inner = ColorCube::Inner::direct});
 }
 
-std::unique_ptr<BuiltScene> build_color_cube_1995(const farfield::scenes::Scene& scene) {
+std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_1995(const farfield::scenes::Scene& scene) {
     return std::make_unique<Scene>(scene, uniform, ColorCube{.opacity = ColorCube::Opacity::thresholded});
 }
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "built_scene.hpp"
+#include "scenes/built_scene.hpp"
 #include "scenes/scene.hpp"
 
 namespace walkthrough {
@@ -14,7 +14,7 @@ namespace walkthrough {
 struct Variant {
     std::string_view name;  ///< shorter than 24 characters
     std::string_view description;
-    std::unique_ptr<BuiltScene> (*build)(const farfield::scenes::Scene& scene);
+    std::unique_ptr<farfield::scenes::BuiltScene> (*build)(const farfield::scenes::Scene& scene);
     farfield::DistanceMeasure distance = farfield::DistanceMeasure::nearest_point;
 };
 
@@ -25,11 +25,11 @@ std::span<const Variant> variants();
 const Variant* find_variant(std::string_view name);
 
 // One source file each, for each of these types takes seconds to compile.
-std::unique_ptr<BuiltScene> build_exact(const farfield::scenes::Scene& scene);
-std::unique_ptr<BuiltScene> build_color_cube(const farfield::scenes::Scene& scene);
-std::unique_ptr<BuiltScene> build_color_cube_direct(const farfield::scenes::Scene& scene);
-std::unique_ptr<BuiltScene> build_color_cube_1995(const farfield::scenes::Scene& scene);
-std::unique_ptr<BuiltScene> build_color_cube_cluster(const farfield::scenes::Scene& scene);
-std::unique_ptr<BuiltScene> build_color_cube_shared(const farfield::scenes::Scene& scene);
+std::unique_ptr<farfield::scenes::BuiltScene> build_exact(const farfield::scenes::Scene& scene);
+std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube(const farfield::scenes::Scene& scene);
+std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_direct(const farfield::scenes::Scene& scene);
+std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_1995(const farfield::scenes::Scene& scene);
+std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_cluster(const farfield::scenes::Scene& scene);
+std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_shared(const farfield::scenes::Scene& scene);
 
 }  // namespace walkthrough

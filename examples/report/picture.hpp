@@ -4,20 +4,25 @@
 #include <filesystem>
 
 #include "farfield/raster/image.hpp"
-#include "setting.hpp"
 
-namespace walkthrough {
+namespace farfield::report {
 
-/// Over the setting's background; opaque.
-farfield::Image over_background(const farfield::Image& premultiplied, const Setting& setting);
+/// A gradient down the image, opaque.
+struct Background {
+    Rgba8 top{255, 255, 255};
+    Rgba8 bottom{255, 255, 255};
+};
+
+/// Opaque.
+Image over_background(const Image& premultiplied, const Background& background);
 
 /// How many times differences are amplified, so that a quarter of the range is white.
 inline constexpr int difference_gain = 4;
 
 /// Absolute differences of each channel times difference_gain, opaque, black where equal. Of one size.
-farfield::Image difference(const farfield::Image& a, const farfield::Image& b);
+Image difference(const Image& a, const Image& b);
 
 /// Colors only, for opaque images. Throws std::runtime_error naming the file.
-void write_png(const farfield::Image& image, const std::filesystem::path& file);
+void write_png(const Image& image, const std::filesystem::path& file);
 
-}  // namespace walkthrough
+}  // namespace farfield::report

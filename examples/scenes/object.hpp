@@ -8,28 +8,28 @@
 #include "farfield/geometry/triangle.hpp"
 #include "farfield/instance.hpp"
 
-namespace walkthrough {
+namespace farfield::scenes {
 
 /// Groups without placements are hierarchies over plain triangles, which are smaller and quicker to read; so there are
 /// two kinds of instances.
 template <class Hierarchy>
 struct Object {
-    using Triangle = farfield::VertexColoredTriangle;
-    using InstanceOfTriangles = farfield::Instance<Hierarchy, Triangle>;
-    using InstanceOfObjects = farfield::Instance<Hierarchy, Object>;
+    using Triangle = VertexColoredTriangle;
+    using InstanceOfTriangles = Instance<Hierarchy, Triangle>;
+    using InstanceOfObjects = Instance<Hierarchy, Object>;
 
     std::variant<Triangle, InstanceOfTriangles, InstanceOfObjects> is;
 
-    farfield::BoxD bounds() const {
+    BoxD bounds() const {
         return std::visit(
             [](const auto& it) {
                 const auto b = it.bounds();
-                return farfield::BoxD{glm::dvec3(b.lower), glm::dvec3(b.upper)};
+                return BoxD{glm::dvec3(b.lower), glm::dvec3(b.upper)};
             },
             is);
     }
-    farfield::Work work() const {
-        return std::visit([](const auto& it) { return farfield::work_of(it); }, is);
+    Work work() const {
+        return std::visit([](const auto& it) { return work_of(it); }, is);
     }
     template <class Sink>
     void polygons(Sink&& sink) const {
@@ -46,4 +46,4 @@ struct Object {
     }
 };
 
-}  // namespace walkthrough
+}  // namespace farfield::scenes

@@ -8,34 +8,35 @@
 #include <span>
 #include <vector>
 
-#include "built_scene.hpp"
 #include "farfield/viewer.hpp"
-#include "object.hpp"
+#include "scenes/built_scene.hpp"
+#include "scenes/object.hpp"
 #include "scenes/scene.hpp"
 
-namespace walkthrough {
+namespace farfield::scenes {
 
 /// Colors of scenes have their light baked in, so stand-ins are made and everything is drawn without one.
 template <class Hierarchy>
 class PlacedScene final : public BuiltScene {
   public:
-    using Triangle = farfield::VertexColoredTriangle;
+    using Triangle = VertexColoredTriangle;
     using Partition = typename Hierarchy::partition_type;
     using Approximation = typename Hierarchy::approximation_type;
+    using CostModel = typename Hierarchy::cost_model_type;
     /// Given how many primitives a group has.
     using PartitionFor = std::function<Partition(std::size_t)>;
 
-    PlacedScene(const farfield::scenes::Scene& scene, const PartitionFor& partition_for, Approximation approximation)
+    PlacedScene(const Scene& scene, const PartitionFor& partition_for, Approximation approximation, CostModel cost = {})
         : groups_(scene.groups.size()) {
         for (std::size_t g = 0; g < groups_.size(); ++g) {
             Group& group = groups_[g];
             // Triangles are copied, since each variant puts them into its own order.
             if (scene.groups[g].placements.empty()) {
                 group.triangles = scene.groups[g].triangles;
-                build(group, group.triangles, partition_for, approximation);
+                build(group, group.triangles, partition_for, approximation, cost);
             } else {
                 group.objects = objects_of(scene.groups[g]);
-                build(group, group.objects, partition_for, approximation);
+                build(group, group.objects, partition_for, approximation, cost);
             }
             facts_.bytes += group.hierarchy.bytes();
             facts_.cells += group.hierarchy.nodes().size();
@@ -43,7 +44,7 @@ class PlacedScene final : public BuiltScene {
         }
     }
 
-    std::unique_ptr<SceneViewer> viewer(const farfield::ZBufferOptions& options) const override {
+    std::unique_ptr<SceneViewer> viewer(const ZBufferOptions& options) const override {
         const Group& root = groups_.back();
         if (root.objects.empty()) {
             return std::make_unique<Frames<Triangle>>(root.hierarchy, root.triangles, options);
@@ -61,30 +62,28 @@ class PlacedScene final : public BuiltScene {
     template <class P>
     class Frames final : public SceneViewer {
       public:
-        Frames(const Hierarchy& hierarchy, const std::vector<P>& primitives, const farfield::ZBufferOptions& options)
+        Frames(const Hierarchy& hierarchy, const std::vector<P>& primitives, const ZBufferOptions& options)
             : renderer_(options), viewer_(hierarchy, std::span<const P>(primitives), renderer_) {}
-        farfield::FrameStats frame(const farfield::View& view) override { return viewer_.frame(view); }
-        const farfield::Image& image() const override { return renderer_.image(); }
+        FrameStats frame(const View& view) override { return viewer_.frame(view); }
+        const Image& image() const override { return renderer_.image(); }
 
       private:
-        farfield::ZBufferRenderer renderer_;
-        farfield::Viewer<Hierarchy, P, farfield::ZBufferRenderer> viewer_;
+        ZBufferRenderer renderer_;
+        Viewer<Hierarchy, P, ZBufferRenderer> viewer_;
     };
 
-    std::vector<Object<Hierarchy>> objects_of(const farfield::scenes::Group& group) const {
+    std::vector<Object<Hierarchy>> objects_of(const scenes::Group& group) const {
         std::vector<Object<Hierarchy>> objects;
         objects.reserve(group.triangles.size() + group.placements.size());
         for (const Triangle& t : group.triangles) objects.push_back({t});
         for (const auto& placement : group.placements) {
             const Group& inner = groups_[placement.group];
             if (inner.hierarchy.primitive_count() == 0) continue;  // nothing has no bounding box
-            const farfield::Similarity to_parent(placement.to_parent);
+            const Similarity to_parent(placement.to_parent);
             if (inner.objects.empty()) {
-                objects.push_back(
-                    {farfield::Instance<Hierarchy, Triangle>{&inner.hierarchy, inner.triangles, to_parent}});
+                objects.push_back({Instance<Hierarchy, Triangle>{&inner.hierarchy, inner.triangles, to_parent}});
             } else {
-                objects.push_back(
-                    {farfield::Instance<Hierarchy, Object<Hierarchy>>{&inner.hierarchy, inner.objects, to_parent}});
+                objects.push_back({Instance<Hierarchy, Object<Hierarchy>>{&inner.hierarchy, inner.objects, to_parent}});
             }
         }
         return objects;
@@ -92,13 +91,13 @@ class PlacedScene final : public BuiltScene {
 
     template <class P>
     void build(Group& group, std::vector<P>& primitives, const PartitionFor& partition_for,
-               const Approximation& approximation) {
+               const Approximation& approximation, const CostModel& cost) {
         const auto begin = std::chrono::steady_clock::now();
         const Partition partition = partition_for(primitives.size());
-        if constexpr (Hierarchy::assignment == farfield::unique) {
-            group.hierarchy = Hierarchy::build_in_place(std::span<P>(primitives), partition, approximation);
+        if constexpr (Hierarchy::assignment == unique) {
+            group.hierarchy = Hierarchy::build_in_place(std::span<P>(primitives), partition, approximation, cost);
         } else {
-            group.hierarchy = Hierarchy::build(std::span<const P>(primitives), partition, approximation);
+            group.hierarchy = Hierarchy::build(std::span<const P>(primitives), partition, approximation, cost);
         }
         facts_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
@@ -106,4 +105,4 @@ class PlacedScene final : public BuiltScene {
     std::vector<Group> groups_;  ///< never resized: instances point into it
 };
 
-}  // namespace walkthrough
+}  // namespace farfield::scenes

@@ -8,7 +8,7 @@
 #include "farfield/raster/z_buffer_renderer.hpp"
 #include "farfield/view.hpp"
 
-namespace walkthrough {
+namespace farfield::scenes {
 
 struct BuildFacts {
     double seconds = 0;       ///< of building all hierarchies, on one thread
@@ -21,19 +21,19 @@ struct BuildFacts {
 class SceneViewer {
   public:
     virtual ~SceneViewer() = default;
-    virtual farfield::FrameStats frame(const farfield::View& view) = 0;
+    virtual FrameStats frame(const View& view) = 0;
     /// Of the last frame; premultiplied, coverage in alpha.
-    virtual const farfield::Image& image() const = 0;
+    virtual const Image& image() const = 0;
 };
 
 class BuiltScene {
   public:
     virtual ~BuiltScene() = default;
-    virtual std::unique_ptr<SceneViewer> viewer(const farfield::ZBufferOptions& options) const = 0;
+    virtual std::unique_ptr<SceneViewer> viewer(const ZBufferOptions& options) const = 0;
     const BuildFacts& facts() const { return facts_; }
 
   protected:
     BuildFacts facts_;
 };
 
-}  // namespace walkthrough
+}  // namespace farfield::scenes

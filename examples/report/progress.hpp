@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-namespace walkthrough {
+namespace farfield::report {
 
 /// On stderr: a bar that is drawn over itself on a terminal, else a line for each task.
 class Progress {
@@ -28,4 +28,4 @@ class Progress {
     std::chrono::steady_clock::time_point drawn_at_{};
 };
 
-}  // namespace walkthrough
+}  // namespace farfield::report

@@ -1,11 +1,11 @@
-#include "progress.hpp"
+#include "report/progress.hpp"
 
 #include <unistd.h>
 
 #include <iostream>
 #include <utility>
 
-namespace walkthrough {
+namespace farfield::report {
 
 Progress::Progress() : on_terminal_(isatty(STDERR_FILENO) != 0) {}
 
@@ -46,4 +46,4 @@ void Progress::erase() {
     if (on_terminal_) std::cerr << "\r\x1b[K" << std::flush;
 }
 
-}  // namespace walkthrough
+}  // namespace farfield::report

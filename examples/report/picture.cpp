@@ -1,16 +1,13 @@
-#include "picture.hpp"
+#include "report/picture.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 
-namespace walkthrough {
+namespace farfield::report {
 
-using farfield::Image;
-using farfield::Rgba8;
-
-Image over_background(const Image& premultiplied, const Setting& setting) {
+Image over_background(const Image& premultiplied, const Background& background) {
     Image result(premultiplied.width(), premultiplied.height());
-    const Rgba8 top = setting.background_top, bottom = setting.background_bottom;
+    const auto [top, bottom] = background;
     const int last = std::max(result.height() - 1, 1);
     for (int y = 0; y < result.height(); ++y) {
         const auto between = [&](int a, int b) { return (a * (last - y) + b * y + last / 2) / last; };
@@ -36,4 +33,4 @@ Image difference(const Image& a, const Image& b) {
     return result;
 }
 
-}  // namespace walkthrough
+}  // namespace farfield::report

@@ -1,0 +1,82 @@
+// Experiments over variants: every composition of some partitions, approximations and cost models, from one
+// compile-time list. What does not compose is left out by the concepts, not by hand.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "farfield/policy.hpp"
+#include "farfield/spatial_hierarchy.hpp"
+
+namespace farfield {
+
+/// A policy and what tables call it. An empty name: the default, not worth mentioning.
+template <class Policy>
+struct Named {
+    std::string_view name;
+    Policy policy;
+};
+template <class Policy>
+Named(const char*, Policy) -> Named<Policy>;
+
+/// A type of hierarchy and the options it is built with.
+template <Partition P, Approximation A, CostModel C>
+requires Composable<P, A, C>
+struct Variant {
+    using hierarchy_type = SpatialHierarchy<P, A, C>;
+
+    std::string name;  ///< names of the policies, approximation first, joined by '+'
+    P partition;
+    A approximation;
+    C cost;
+
+    /// As SpatialHierarchy::build.
+    template <class Primitive, class... More>
+    requires BuildableFrom<hierarchy_type, Primitive> hierarchy_type build(std::span<const Primitive> primitives,
+                                                                           const More&... more)
+    const { return hierarchy_type::build(primitives, partition, approximation, cost, more...); }
+};
+
+namespace detail {
+
+template <class P, class A, class C>
+auto variant_if_composable(const Named<P>& p, const Named<A>& a, const Named<C>& c) {
+    if constexpr (Composable<P, A, C>) {
+        std::string name(a.name);
+        for (const std::string_view part : {p.name, c.name}) {
+            if (!name.empty() && !part.empty()) name += '+';
+            name += part;
+        }
+        return std::tuple(Variant<P, A, C>{std::move(name), p.policy, a.policy, c.policy});
+    } else {
+        return std::tuple<>();
+    }
+}
+
+}  // namespace detail
+
+/// Every composition of one policy from each tuple of Named ones, as a tuple of Variants; the last tuple varies fastest
+/// and the approximation slowest.
+template <class... P, class... A, class... C>
+auto variants_of(const std::tuple<Named<P>...>& partitions, const std::tuple<Named<A>...>& approximations,
+                 const std::tuple<Named<C>...>& costs) {
+    const auto with_both = [&](const auto& a, const auto& p) {
+        return std::apply([&](const auto&... c) { return std::tuple_cat(detail::variant_if_composable(p, a, c)...); },
+                          costs);
+    };
+    const auto with_approximation = [&](const auto& a) {
+        return std::apply([&](const auto&... p) { return std::tuple_cat(with_both(a, p)...); }, partitions);
+    };
+    return std::apply([&](const auto&... a) { return std::tuple_cat(with_approximation(a)...); }, approximations);
+}
+
+/// f(variant) for each, in order.
+template <class... V, class F>
+void for_each_variant(const std::tuple<V...>& variants, F&& f) {
+    std::apply([&](const auto&... v) { (f(v), ...); }, variants);
+}
+
+}  // namespace farfield
