@@ -134,25 +134,4 @@ Flight plan_flight(const Setting& setting, const Options& options) {
     return flight;
 }
 
-std::optional<farfield::PixelRect> projected_rect(const farfield::Box& box, const farfield::View& view) {
-    const Camera& c = view.camera;
-    const double focal_px = 0.5 * double(view.height) / double(c.half_height);
-    glm::dvec2 lower(1e9), upper(-1e9);
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
-                           corner & 4 ? box.upper.z : box.lower.z);
-        const glm::dvec3 d = p - c.eye;
-        const double depth = glm::dot(d, glm::dvec3(c.forward));
-        if (!(depth > 0)) return std::nullopt;
-        const glm::dvec2 at(glm::dot(d, glm::dvec3(c.right)), -glm::dot(d, glm::dvec3(c.up)));
-        const glm::dvec2 px = at * (focal_px / depth) + 0.5 * glm::dvec2(view.width, view.height);
-        lower = glm::min(lower, px);
-        upper = glm::max(upper, px);
-    }
-    const glm::dvec2 whole(view.width, view.height);
-    lower = glm::clamp(glm::floor(lower), glm::dvec2(0), whole - 1.0);
-    upper = glm::clamp(glm::ceil(upper), lower + 1.0, whole);
-    return farfield::PixelRect{int(lower.x), int(lower.y), int(upper.x), int(upper.y)};
-}
-
 }  // namespace walkthrough

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "farfield/measure/projected_rect.hpp"
 #include "report/picture.hpp"
 #include "report/progress.hpp"
 #include "variants.hpp"
@@ -122,7 +123,7 @@ class Run {
 
     void compare(const Image& image, const Reference& reference, Result& result) const {
         const Image picture = report::over_background(image, setting_.background);
-        result.errors.add(image, reference.image, picture, reference.over_background, reference.rect);
+        result.errors.add(reference.frame, image, reference.image, picture, reference.over_background, reference.rect);
         if (!options_.out_directory) return;
         report::write_png(picture, file(result.name, reference.frame));
         report::write_png(report::difference(picture, reference.over_background),

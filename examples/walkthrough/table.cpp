@@ -10,7 +10,7 @@
 namespace walkthrough {
 namespace {
 
-constexpr std::size_t columns = 11;
+constexpr std::size_t columns = 12;
 using Row = std::array<std::string, columns>;
 
 std::string number(double value, int decimals, const char* unit = "", bool with_plus = false) {
@@ -29,6 +29,7 @@ Row row_of(const Result& r, double stored_primitives) {
             number(speedup(r), 2, "x"),
             number(r.errors.rmse(), 4),
             number(r.errors.ssim(), 4),
+            number(r.errors.flip(), 4),
             number(100 * r.errors.coverage_bias(), 2, " %", true),
             number(r.drawn.approximations, 0),
             number(r.drawn.primitives, 0)};
@@ -44,9 +45,9 @@ std::uint64_t stored_primitives(const farfield::scenes::Scene& scene) {
 
 void print_table(std::ostream& out, const Setting& setting, const Options& options,
                  const std::vector<Result>& results) {
-    std::vector<Row> rows{{"variant", "build", "bytes per", "exact", "frame", "speed-up", "rmse", "ssim", "coverage",
-                           "stand-ins", "triangles"},
-                          {"", "s", "primitive", "ms", "ms", "", "", "", "bias", "drawn", "drawn"}};
+    std::vector<Row> rows{{"variant", "build", "bytes per", "exact", "frame", "speed-up", "rmse", "ssim", "flip",
+                           "coverage", "stand-ins", "triangles"},
+                          {"", "s", "primitive", "ms", "ms", "", "", "", "", "bias", "drawn", "drawn"}};
     for (const Result& r : results) rows.push_back(row_of(r, double(stored_primitives(setting.scene))));
     std::array<std::size_t, columns> widths{};
     for (const Row& row : rows) {
@@ -63,7 +64,7 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
     }
     out << "\nTimes are medians on one thread; exact is drawn right before each frame of a variant. Errors are "
            "against\n"
-           "exact at 64 samples a pixel.\n";
+           "exact at 64 samples a pixel, flip as seen at 67 pixels a degree.\n";
 }
 
 }  // namespace walkthrough
