@@ -15,6 +15,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -81,10 +82,10 @@ class Viewer {
     }
 
   private:
-    /// A subtree that crosses the frustum's border is not culled any finer than this many items: see Exact.
-    static constexpr std::uint32_t culling_pays_above = 128;
     /// Whether a cell is hidden is not asked for fewer items: the answer costs about as much as drawing ten.
     static constexpr std::uint32_t asking_pays_above = 64;
+    /// Nor of a cell that takes a few stand-ins: so many times the tolerance wide.
+    static constexpr float asking_pays_above_error = 2;
 
     /// What a viewer keeps of each hierarchy it may meet.
     struct SourceState {
@@ -187,11 +188,12 @@ class Viewer {
         // Level 0 is the node itself, whose stand-in is asked first.
         bool may_stand_in_below = node.child_mask != 0 && node.levels_to_last_stand_in != Node::nothing_below &&
                                   node.levels_to_last_stand_in != 0;
+        float error_px = std::numeric_limits<float>::infinity();
         if constexpr (A::facts.stands_in) {
             const A& approximation = h.approximation_policy();
+            if (data != nullptr) error_px = approximation.error_px(*data, cell, v.view) * detail::error_of_reach(node);
             // A tolerance of 0 means every primitive, also of a cell without extent.
-            if (data != nullptr && v.view.tolerance_px > 0 &&
-                approximation.error_px(*data, cell, v.view) <= v.view.tolerance_px) {
+            if (v.view.tolerance_px > 0 && error_px <= v.view.tolerance_px) {
                 stand_in(v, *data, cell);
                 return;
             }
@@ -202,12 +204,14 @@ class Viewer {
             }
         }
         if constexpr (R::facts.answers_hidden) {
-            if (end_item - node.first_item > asking_pays_above && renderer_.hidden(cell, CellId{v.path, index})) {
+            if (end_item - node.first_item > asking_pays_above &&
+                error_px > asking_pays_above_error * v.view.tolerance_px &&
+                renderer_.hidden(cell, CellId{v.path, index})) {
                 ++stats_.cells_hidden;
                 return;
             }
         }
-        const bool is_small = end_item - node.first_item <= culling_pays_above;
+        const bool is_small = end_item - node.first_item <= detail::culling_pays_above;
         if (node.child_mask == 0 || (!may_stand_in_below && may_draw_whole<V> && (mask == 0 || is_small))) {
             draw_items(v, node.first_item, end_item);
             return;

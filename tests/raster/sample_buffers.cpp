@@ -300,12 +300,69 @@ TEST_CASE("nothing that could still change an open sample is said to be hidden",
     CHECK(hidden_cells < asked);
 }
 
-TEST_CASE("geometry alone hides nothing", "[raster]") {
+TEST_CASE("no triangle in a cell hidden by geometry changes the picture", "[raster]") {
+    Random random(82);
+    std::size_t hidden_cells = 0, asked = 0;
+    for (int round = 0; round < 80; ++round) {
+        const bool perspective = round % 2 == 0;
+        View v = perspective ? looking({0, 0, 3}, {0, 0, 0}, 96) : looking_orthographic({0, 0, 3}, {0, 0, 0}, 2.5f, 96);
+        const LocalView view(v, {}, 10);
+        // Large triangles, slanted, with gaps between them; then cells before, among and behind them, each with some
+        // triangles that touch its sides.
+        Triangles near = random_triangles(40, std::uint64_t(83 + round), 1.2f);
+        std::vector<Cell> cells;
+        Triangles inside;
+        for (int i = 0; i < 120; ++i) {
+            Cell cell;
+            cell.center = cell.bounds_center =
+                glm::vec3(random.between(-1.4f, 1.4f), random.between(-1.4f, 1.4f), random.between(-3, 1.5f));
+            cell.half = cell.bounds_half = glm::vec3(random.between(0.005f, 0.15f));
+            cells.push_back(cell);
+            for (int k = 0; k < 6; ++k) {
+                Triangle t{{}, {0, 0, 255, 255}};
+                for (glm::vec3& p : t.vertices) {
+                    p = random.in_cube(1);
+                    p[k % 3] = k < 3 ? 1.0f : -1.0f;
+                    p = cell.center + p * cell.half;
+                }
+                inside.push_back(t);
+            }
+        }
+        const auto count = std::uint32_t(near.size());
+        append(near, inside);
+        Canvas canvas(view, round % 3 == 0 ? 4 : 1, near);
+        const auto draw = [&](std::uint32_t first, std::uint32_t n) {
+            const Range range{first, n};
+            canvas.renderer.draw(canvas.source, std::span<const Range>(&range, 1));
+        };
+        draw(0, count);
+        canvas.draw({{0, 0, -2.9f}, 1e-6f, 1e-6f, rgb(0, 255, 0, AreaLaw::mixed)});  // the far field begins
+        canvas.renderer.end_frame();
+        const Image before = canvas.renderer.image();
+        for (std::uint32_t i = 0; i < cells.size(); ++i) {
+            ++asked;
+            if (!canvas.renderer.hidden(cells[i], {})) continue;
+            ++hidden_cells;
+            draw(count + 6 * i, 6);
+        }
+        canvas.renderer.end_frame();
+        INFO("round " << round);
+        CHECK(different_pixels(canvas.renderer.image(), before) == 0);
+    }
+    CHECK(hidden_cells > asked / 10);
+    CHECK(hidden_cells < asked);
+}
+
+TEST_CASE("before the first stand-in geometry hides nothing, after it what lies behind", "[raster]") {
     Canvas canvas(straight(20, true), 1, sheet({-9, -9, -3}, {18, 0, 0}, {0, 18, 0}, 1, 1, {255, 0, 0, 255}));
     canvas.draw_near();
     Cell cell;
     cell.center = cell.bounds_center = {0, 0, -5};
     cell.half = cell.bounds_half = glm::vec3(0.1f);
+    CHECK_FALSE(canvas.renderer.hidden(cell, {}));
+    canvas.draw(Face{{8, 8, -2}, {9, 9, -2}, {0, 255, 0, 255}, 5});  // outside of the picture
+    CHECK(canvas.renderer.hidden(cell, {}));
+    cell.bounds_center.z = -2.9f;
     CHECK_FALSE(canvas.renderer.hidden(cell, {}));
     canvas.draw(Face{{-9, -9, -2}, {9, 9, -2}, {0, 255, 0, 255}, 5});
     CHECK(canvas.renderer.hidden(cell, {}));

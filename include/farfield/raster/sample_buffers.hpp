@@ -12,6 +12,7 @@
 
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/rgba8.hpp"
+#include "farfield/raster/depth_tiles.hpp"
 #include "farfield/raster/image.hpp"
 #include "farfield/raster/sample_projection.hpp"
 
@@ -58,7 +59,8 @@ class SampleBuffers {
     }
 
     int samples_a_side() const { return side_; }
-    bool any_closed() const { return any_closed_; }
+    /// Whether the far field of this frame has begun.
+    bool has_far() const { return has_far_; }
 
     /// z and color of row y, to be indexed with x. Whoever writes says so by near_drawn().
     float* depth_row(int y) { return depth_.data() + row(y) - first_x_; }
@@ -68,6 +70,7 @@ class SampleBuffers {
     }
 
     void begin_far() {
+        has_far_ = true;
         if (far_.empty()) far_.assign(depth_.size(), {});
     }
 
@@ -119,24 +122,18 @@ class SampleBuffers {
         any_closed_ |= closed;
     }
 
-    /// Is every sample of a rectangle (relative to the center sample, ends included) closed? True of an empty one.
-    bool all_closed(int x0, int y0, int x1, int y1) const {
+    /// Can nothing as far as q or farther change any sample of a rectangle (relative to the center sample, ends
+    /// included), because it is closed or its geometry is nearer? May err towards no; true of an empty rectangle.
+    bool all_settled(int x0, int y0, int x1, int y1, float q) {
         x0 = std::max(x0 - first_x_, 0);
         y0 = std::max(y0 - first_y_, 0);
         x1 = std::min(x1 - first_x_, width_ - 1);
         y1 = std::min(y1 - first_y_, height_ - 1);
-        if (x0 > x1) return true;
-        const std::uint64_t all = ~std::uint64_t(0);
-        for (int y = y0; y <= y1; ++y) {
-            const std::uint64_t* words = open_.data() + std::size_t(y) * words_;
-            for (int w = x0 >> 6; w <= x1 >> 6; ++w) {
-                std::uint64_t mask = all;
-                if (w == x0 >> 6) mask &= all << (x0 & 63);
-                if (w == x1 >> 6) mask &= all >> (63 - (x1 & 63));
-                if (words[w] & mask) return false;
-            }
-        }
-        return true;
+        if (x0 > x1 || y0 > y1) return true;
+        return all_closed(x0, y0, x1, y1) ||
+               tiles_.all_nearer(x0, y0, x1, y1, q, [&](int left, int top, int right, int bottom) {
+                   return farthest(left, top, right, bottom);
+               });
     }
 
     /// Box filter: the mean of a pixel's samples. Writes only what changed since the last resolve into the same image.
@@ -162,6 +159,34 @@ class SampleBuffers {
     }
 
   private:
+    bool all_closed(int x0, int y0, int x1, int y1) const {
+        if (!any_closed_) return false;
+        const std::uint64_t all = ~std::uint64_t(0);
+        for (int y = y0; y <= y1; ++y) {
+            const std::uint64_t* words = open_.data() + std::size_t(y) * words_;
+            for (int w = x0 >> 6; w <= x1 >> 6; ++w) {
+                std::uint64_t mask = all;
+                if (w == x0 >> 6) mask &= all << (x0 & 63);
+                if (w == x1 >> 6) mask &= all >> (63 - (x1 & 63));
+                if (words[w] & mask) return false;
+            }
+        }
+        return true;
+    }
+
+    /// Least q of the samples of a rectangle that are not closed.
+    float farthest(int left, int top, int right, int bottom) const {
+        float least = std::numeric_limits<float>::infinity();
+        for (int y = top; y < std::min(bottom, height_); ++y) {
+            const float* depth = depth_.data() + index(0, y);
+            const std::uint64_t open = open_[std::size_t(y) * words_ + std::size_t(left >> 6)] >> (left & 63);
+            for (int x = left; x < std::min(right, width_); ++x) {
+                if (open >> (x - left) & 1) least = std::min(least, depth[x]);
+            }
+        }
+        return least;
+    }
+
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
     std::size_t row(int y) const { return std::size_t(y - first_y_) * std::size_t(width_); }
 
@@ -242,7 +267,8 @@ class SampleBuffers {
         touched_.assign(open_.size(), 0);
         near_ = far_rect_ = {};
         drawn_in_image_ = {0, 0, width, height};
-        any_closed_ = false;
+        any_closed_ = has_far_ = false;
+        tiles_.begin(width, height);
     }
 
     void clear() {
@@ -257,8 +283,9 @@ class SampleBuffers {
             std::fill(words + (far_rect_.x0 >> 6), words + ((far_rect_.x1 - 1) >> 6) + 1, std::uint64_t(0));
         }
         if (any_closed_) std::fill(open_.begin(), open_.end(), ~std::uint64_t(0));
+        if (has_far_) tiles_.begin(width_, height_);
         near_ = far_rect_ = {};
-        any_closed_ = false;
+        any_closed_ = has_far_ = false;
     }
 
     int width_ = 0, height_ = 0, side_ = 1;
@@ -270,7 +297,8 @@ class SampleBuffers {
     std::vector<FarSample> far_;
     std::vector<std::uint64_t> open_;     ///< one bit a sample, rows padded to words
     std::vector<std::uint64_t> touched_;  ///< likewise: deposited into since begin()
-    bool any_closed_ = false;
+    bool any_closed_ = false, has_far_ = false;
+    DepthTiles tiles_;
     SampleRect near_, far_rect_, drawn_in_image_;  ///< relative to the upper left sample
 };
 

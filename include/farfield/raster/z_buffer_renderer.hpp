@@ -123,10 +123,12 @@ class ZBufferRenderer {
     /// Two samples: a deposit then touches at most three by three.
     float largest_splat_px() const { return 2.0f / float(side_); }
 
-    /// Only samples closed by the far field count: near geometry alone hides nothing. Asked in front-to-back order.
-    /// Contents of a loose cell that reach in front of a cell already drawn may be lost with it, by less than a cell.
-    bool hidden(const Cell& cell, CellId) const {
-        if (!buffers_.any_closed()) return false;
+    /// Asked in front-to-back order. Geometry drawn before hides what lies behind all of it, and that exactly; where
+    /// the far field closed a sample, contents of a loose cell that reach in front of a cell already drawn may be lost
+    /// with it, by less than a cell. Before the first stand-in of a frame nothing is hidden: without a far field every
+    /// primitive in the frustum is drawn.
+    bool hidden(const Cell& cell, CellId) {
+        if (!buffers_.has_far()) return false;
         const glm::vec3 p = to_.project(cell.bounds_center);
         const float radius = std::sqrt(glm::dot(cell.bounds_half, cell.bounds_half));
         // A point of the sphere is off by at most radius (focal + |x|) / (depth - radius) from its center's image.
@@ -137,8 +139,12 @@ class ZBufferRenderer {
         const float rx = reach * (to_.focal + skew * std::abs(x)), ry = reach * (to_.focal + skew * std::abs(y));
         if (!(rx < 64 && ry < 64)) return false;  // large ones are seldom hidden and their children are asked again
         const float cx = x + to_.offset_x * (1.0f / 256), cy = y + to_.offset_y * (1.0f / 256);
-        return buffers_.all_closed(int(std::floor(cx - rx)), int(std::floor(cy - ry)), int(std::floor(cx + rx)),
-                                   int(std::floor(cy + ry)));
+        // Nearer than any corner, roundings included: vertices are snapped, hence the sample added around.
+        const float front = to_.is_perspective ? nearest : p.z - radius;
+        const float rounding = (std::abs(p.z) + radius) * 0x1p-16f;
+        const float q = to_.q(front - rounding, to_.inverse_w(std::max(front - rounding, 0.5f * nearest)));
+        return buffers_.all_settled(int(std::floor(cx - rx)) - 1, int(std::floor(cy - ry)) - 1,
+                                    int(std::floor(cx + rx)) + 1, int(std::floor(cy + ry)) + 1, q);
     }
 
   private:

@@ -1,0 +1,46 @@
+// The farthest depth of each 8 x 8 samples, so that a cell behind all of them can be told without looking at samples:
+// two levels of the z-pyramid of N. Greene, M. Kass, G. Miller, "Hierarchical Z-buffer Visibility", SIGGRAPH 1993.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace farfield {
+
+/// Depths only ever come nearer within a frame, so a farthest depth that is out of date errs towards the far side.
+/// Tiles are brought up to date when a question fails for them, never while drawing.
+class DepthTiles {
+  public:
+    static constexpr int side = 8;
+
+    /// Nothing is drawn yet.
+    void begin(int width, int height) {
+        columns_ = (width + side - 1) / side;
+        farthest_.assign(std::size_t(columns_) * std::size_t((height + side - 1) / side),
+                         -std::numeric_limits<float>::infinity());
+    }
+
+    /// Is every sample of the tiles that touch a rectangle (ends included, inside the picture) nearer than q?
+    /// farthest(left, top, right, bottom), half open and possibly beyond the picture, gives the least q of its samples.
+    template <class Farthest>
+    bool all_nearer(int x0, int y0, int x1, int y1, float q, Farthest&& farthest) {
+        for (int row = y0 / side; row <= y1 / side; ++row) {
+            float* tile = farthest_.data() + std::size_t(row) * std::size_t(columns_);
+            for (int column = x0 / side; column <= x1 / side; ++column) {
+                if (tile[column] > q) continue;
+                const int left = column * side, top = row * side;
+                tile[column] = farthest(left, top, left + side, top + side);
+                if (!(tile[column] > q)) return false;
+            }
+        }
+        return true;
+    }
+
+  private:
+    int columns_ = 0;
+    std::vector<float> farthest_;  ///< least q
+};
+
+}  // namespace farfield
