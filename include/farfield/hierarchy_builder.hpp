@@ -1,5 +1,6 @@
 // How a hierarchy is built, in phases: split (cell_splitter.hpp) -> order, depth first -> stand-ins, bottom up ->
-// freeze. Only freezing makes runs: policies may still move items before it.
+// freeze, which keeps what pays and is not told already (story_merger.hpp). Only freezing makes runs: policies may
+// still move items before it.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "farfield/cell_splitter.hpp"
 #include "farfield/hierarchy_parts.hpp"
 #include "farfield/policy.hpp"
+#include "farfield/story_merger.hpp"
 
 namespace farfield {
 
@@ -152,7 +154,7 @@ class HierarchyBuilder {
         std::vector<std::uint32_t> old_index(count);
         for (std::size_t n = 0; n < count; ++n) old_index[new_index_[n]] = std::uint32_t(n);
         parts_.nodes.resize(count);
-        std::vector<std::uint32_t> data_index(count, no_data);
+        std::vector<std::uint32_t> data_index(count, no_stand_in);
         for (std::size_t i = 0; i < count; ++i) {
             const std::uint32_t n = old_index[i];
             const DraftCell& node = drafts_[n];
@@ -173,10 +175,15 @@ class HierarchyBuilder {
                 }
             }
         }
-        for (std::size_t i = count; i-- > 0;) mark_stand_ins(parts_.nodes[i], i, data_index);
-        parts_.root_has_stand_in = data_index[0] != no_data;
+        if constexpr (A::facts.compares) {
+            StoryMerger<Part, A, DraftCell, Draft>(approximation_, {drafts_, drafts, end_item_, old_index}, parts_,
+                                                   data_index)
+                .merge();
+        }
+        for (std::size_t i = parts_.nodes.size(); i-- > 0;) mark_stand_ins(parts_.nodes[i], i, data_index);
+        parts_.root_has_stand_in = data_index[0] != no_stand_in;
         parts_.report.items = parts_.order.size();
-        parts_.report.nodes = std::uint32_t(count);
+        parts_.report.nodes = std::uint32_t(parts_.nodes.size());
         parts_.report.leaves = std::uint32_t(
             std::count_if(parts_.nodes.begin(), parts_.nodes.end(), [](const Node& n) { return n.child_mask == 0; }));
         parts_.report.stand_ins = std::uint32_t(parts_.cell_data.size());
@@ -187,20 +194,19 @@ class HierarchyBuilder {
         unsigned deepest = Node::nothing_below;
         std::uint32_t child = node.first_child;
         for (unsigned mask = node.child_mask; mask != 0; mask &= mask - 1, ++child) {
-            if (data_index[child] != no_data) {
+            unsigned below = parts_.nodes[child].levels_to_last_stand_in;
+            if (data_index[child] != no_stand_in) {
+                if (below == 0) below = parts_.nodes[child].stand_in_reach;
                 if (node.stand_in_mask == 0) node.first_child_data = data_index[child];
                 node.stand_in_mask = std::uint8_t(node.stand_in_mask | (mask & (0u - mask)));
             }
-            const unsigned below = parts_.nodes[child].levels_to_last_stand_in;
             if (below != Node::nothing_below) {
                 deepest = deepest == Node::nothing_below ? below + 1 : std::max(deepest, below + 1);
             }
         }
-        if (deepest == Node::nothing_below && data_index[index] != no_data) deepest = 0;
+        if (deepest == Node::nothing_below && data_index[index] != no_stand_in) deepest = 0;
         node.levels_to_last_stand_in = std::uint8_t(deepest);
     }
-
-    static constexpr std::uint32_t no_data = 0xffffffffu;
 
     std::span<const P> primitives_;
     const Part& partition_;

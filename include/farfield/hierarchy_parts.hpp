@@ -1,6 +1,8 @@
 // The arrays a hierarchy is made of, and what a build says about itself.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -24,12 +26,21 @@ struct Node {
     std::uint32_t first_child_data = 0;  ///< of the first child that has a stand-in; others follow by rank
     std::uint8_t child_mask = 0;         ///< which of the partition's children exist; absent ones were empty
     std::uint8_t stand_in_mask = 0;      ///< which of them have a stand-in
-    std::uint8_t levels_to_last_stand_in = nothing_below;  ///< below this node, itself counted as 0
-    std::uint8_t spare = 0;
+    std::uint8_t levels_to_last_stand_in = nothing_below;  ///< below this node, itself 0, the reach of others counted
+    /// How many levels of stand-ins below it its own one reproduces: it may be drawn in their place, and where it may
+    /// not they are missing. 0 for most.
+    std::uint8_t stand_in_reach = 0;
 
     friend bool operator==(const Node&, const Node&) = default;
 };
 static_assert(sizeof(Node) == 16);
+
+namespace detail {
+/// Of a stand-in that is drawn in place of those `stand_in_reach` levels below it.
+inline float error_of_reach(const Node& node) {
+    return std::bit_cast<float>((127u - std::min<unsigned>(node.stand_in_reach, 126u)) << 23);
+}
+}  // namespace detail
 
 /// What was built, what was refused and what stopped early.
 struct BuildReport {

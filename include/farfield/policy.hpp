@@ -90,6 +90,7 @@ struct ApproximationFacts {
     bool stands_in = false;     ///< MakesStandIns is required
     bool has_pool = false;      ///< finish() may append to a pool of pool_element
     bool bounds_error = false;  ///< least_error_px is required
+    bool compares = false;      ///< reproduces is required; not where there is a pool
     std::uint32_t file_tag = 0;
 };
 
@@ -150,13 +151,26 @@ concept BoundsError = requires(const A& a, const Cell& cell, unsigned levels, co
     { a.least_error_px(cell, levels, view) } -> std::convertible_to<float>;
 };
 
+/// Whether a cell's stand-in, drawn in place of its children's, gives their picture: whether they all tell one story.
+/// Asked of cells all of whose children have stand-ins; where it holds these are not kept. The cell's error is halved
+/// with its children's, so error_px must be proportional to the cell's size at a given distance.
+template <class A>
+concept ComparesWithChildren =
+    !A::facts.has_pool && requires(const A& a, const Cell& cell, const typename A::draft& draft,
+                                   std::span<const ChildDraft<typename A::draft>> children) {
+    { a.reproduces(cell, draft, children) } -> std::same_as<bool>;
+};
+
 template <class A>
 concept MakesStandInsIfStated = !A::facts.stands_in || MakesStandIns<A>;
 template <class A>
 concept BoundsErrorIfStated = !A::facts.bounds_error || BoundsError<A>;
+template <class A>
+concept ComparesIfStated = !A::facts.compares || (A::facts.stands_in && ComparesWithChildren<A>);
 
 template <class A>
-concept Approximation = StatesApproximationFacts<A> && MakesStandInsIfStated<A> && BoundsErrorIfStated<A>;
+concept Approximation =
+    StatesApproximationFacts<A> && MakesStandInsIfStated<A> && BoundsErrorIfStated<A> && ComparesIfStated<A>;
 
 // --- CostModel: what is a unit of each kind of work worth?
 // ------------------------------------------------------------

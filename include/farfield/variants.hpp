@@ -25,7 +25,7 @@ Named(const char*, Policy) -> Named<Policy>;
 /// A type of hierarchy and the options it is built with.
 template <Partition P, Approximation A, CostModel C>
 requires Composable<P, A, C>
-struct Variant {
+struct NamedVariant {
     using hierarchy_type = SpatialHierarchy<P, A, C>;
 
     std::string name;  ///< names of the policies, approximation first, joined by '+'
@@ -50,7 +50,7 @@ auto variant_if_composable(const Named<P>& p, const Named<A>& a, const Named<C>&
             if (!name.empty() && !part.empty()) name += '+';
             name += part;
         }
-        return std::tuple(Variant<P, A, C>{std::move(name), p.policy, a.policy, c.policy});
+        return std::tuple(NamedVariant<P, A, C>{std::move(name), p.policy, a.policy, c.policy});
     } else {
         return std::tuple<>();
     }
@@ -58,8 +58,8 @@ auto variant_if_composable(const Named<P>& p, const Named<A>& a, const Named<C>&
 
 }  // namespace detail
 
-/// Every composition of one policy from each tuple of Named ones, as a tuple of Variants; the last tuple varies fastest
-/// and the approximation slowest.
+/// Every composition of one policy from each tuple of Named ones, as a tuple of NamedVariant; the last tuple varies
+/// fastest and the approximation slowest.
 template <class... P, class... A, class... C>
 auto variants_of(const std::tuple<Named<P>...>& partitions, const std::tuple<Named<A>...>& approximations,
                  const std::tuple<Named<C>...>& costs) {

@@ -33,6 +33,9 @@ struct ColorCube {
     Inner inner = Inner::composited;
     Opacity opacity = Opacity::blended;
     float coverage_threshold = 0.5f;
+    /// Children whose colors, each of its quarter of a face and front over back, differ by at most this from the cell's
+    /// own are not kept: cells as large as the tolerance are drawn for cells of half that size. Below 0: all are kept.
+    float same_story = 2.0f / 255;
 
     /// Premultiplied, of the whole face of the cell. Alpha may exceed 1 where loose contents lie side by side beyond
     /// it: a neighbor has that much less, and their parent is right again.
@@ -40,7 +43,7 @@ struct ColorCube {
     using cell_data = std::array<Rgba8, 6>;  ///< premultiplied; sides -x, +x, -y, +y, -z, +z
     struct pool_element {};
     static constexpr ApproximationFacts facts{
-        .needs = needs_polygons, .stands_in = true, .bounds_error = true, .file_tag = 0x43430001u};
+        .needs = needs_polygons, .stands_in = true, .bounds_error = true, .compares = true, .file_tag = 0x43430001u};
 
     bool wants_all_contents(const PartitionFacts& partition) const {
         // Four over four is a rule for octants; cells of other partitions are always drawn.
@@ -53,21 +56,28 @@ struct ColorCube {
     }
 
     void merge(const Cell&, draft& own, std::span<const ChildDraft<draft>> children) const {
-        std::array<const draft*, 8> octants{};
-        for (const auto& c : children) octants[c.child] = c.draft;
+        const auto octants = octants_of(children);
         for (unsigned side = 0; side < 6; ++side) {
-            const unsigned bit = 1u << side / 2;
             glm::vec4 sum(0);
             for (unsigned i = 0; i < 8; ++i) {
-                if (((i & bit) != 0) != ((side & 1) != 0)) continue;  // the front four
-                const glm::vec4 front = octants[i] ? (*octants[i])[side] : glm::vec4(0);
-                const glm::vec4 back = octants[i ^ bit] ? (*octants[i ^ bit])[side] : glm::vec4(0);
-                sum += over(front, back);
+                if (is_front(i, side)) sum += quarter(octants, side, i);
             }
             // A node's own primitives lie among its children: neither is in front.
             const glm::vec4 inside = sum * 0.25f;
             own[side] = 0.5f * (over(own[side], inside) + over(inside, own[side]));
         }
+    }
+
+    bool reproduces(const Cell&, const draft& own, std::span<const ChildDraft<draft>> children) const {
+        const auto octants = octants_of(children);
+        for (unsigned side = 0; side < 6; ++side) {
+            for (unsigned i = 0; i < 8; ++i) {
+                if (!is_front(i, side)) continue;
+                const glm::vec4 off = glm::abs(quarter(octants, side, i) - own[side]);
+                if (!(std::max({off.r, off.g, off.b, off.a}) <= same_story)) return false;
+            }
+        }
+        return true;
     }
 
     cell_data finish(const Cell&, const draft& d, std::vector<pool_element>&) const {
@@ -124,6 +134,19 @@ struct ColorCube {
     }
 
   private:
+    using Octants = std::array<const draft*, 8>;
+    static Octants octants_of(std::span<const ChildDraft<draft>> children) {
+        Octants octants{};
+        for (const auto& c : children) octants[c.child] = c.draft;
+        return octants;
+    }
+    static bool is_front(unsigned octant, unsigned side) { return (octant >> side / 2 & 1) == (side & 1); }
+    /// What is seen through one of the front four octants.
+    glm::vec4 quarter(const Octants& octants, unsigned side, unsigned front) const {
+        const auto face = [&](unsigned i) { return octants[i] ? (*octants[i])[side] : glm::vec4(0); };
+        return over(face(front), face(front ^ 1u << side / 2));
+    }
+
     glm::vec4 over(glm::vec4 front, glm::vec4 back) const {
         if (opacity == Opacity::blended) return front + back * glm::max(0.0f, 1 - front.a);  // Porter and Duff 1984
         // "A variation on the over operation ... designed to prevent large opaque surfaces from becoming transparent

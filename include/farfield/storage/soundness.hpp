@@ -35,6 +35,7 @@ inline const char* unsound_nodes(std::span<const Node> nodes, std::uint32_t item
         const Node& node = nodes[path.back().next++];
         if (node.first_item < item || node.first_item > item_count) return "a node's items are out of order";
         item = node.first_item;
+        if (node.stand_in_reach > 1) return "a stand-in reaches further than any does";
         if ((node.stand_in_mask & ~node.child_mask) != 0) return "a stand-in belongs to a child that does not exist";
         if (const auto count = unsigned(std::popcount(node.stand_in_mask)); count != 0) {
             if (node.first_child_data != next_stand_in) return "stand-ins are out of order";
