@@ -379,3 +379,31 @@ TEST_CASE("a viewer refuses what an instance in the scene was not built from, an
     CHECK(recorder.paged_in == 2);  // outer and inner, once each
     CHECK(recorder.paged_out == 2);
 }
+
+TEST_CASE("a large instance behind something smaller does not cover it, whatever either is drawn as") {
+    // The wall is larger than any cell but the root, so that it is in the root's own run; the ball is in a child.
+    const Triangles wall = sheet({-6, -6, -2}, {12, 0, 0}, {0, 12, 0}, 150, 150, {20, 40, 220});
+    const Triangles ball = sphere({0, 0, 0}, 1, 40, {200, 100, 50});
+    const auto wall_objects = objects<ColorCube>(wall), ball_objects = objects<ColorCube>(ball);
+    const Cubes wall_hierarchy = Cubes::build<CubeObject>(wall_objects),
+                ball_hierarchy = Cubes::build<CubeObject>(ball_objects);
+    const CubeObject wall_instance{Instance<Cubes, CubeObject>{&wall_hierarchy, wall_objects, placed({0, 0, 0})}};
+    const CubeObject ball_instance{Instance<Cubes, CubeObject>{&ball_hierarchy, ball_objects, placed({0, 0, 0})}};
+    for (const bool ball_is_instance : {true, false}) {
+        std::vector<CubeObject> world{wall_instance};
+        if (ball_is_instance) {
+            world.push_back(ball_instance);
+        } else {
+            world.insert(world.end(), ball_objects.begin(), ball_objects.end());
+        }
+        const Cubes outer = Cubes::build<CubeObject>(world);
+        for (const float tolerance : {1.0f, 2.2f, 3.0f, 4.5f, 6.0f}) {
+            ZBufferRenderer renderer;
+            make_viewer(outer, world, renderer).frame(looking({0, 0, 4}, {}, 64, tolerance));
+            const Rgba8 center = renderer.image().at(32, 32);
+            INFO("the ball is " << (ball_is_instance ? "an instance" : "triangles") << ", tolerance " << tolerance);
+            CHECK(std::abs(center.r - 200) <= 8);
+            CHECK(std::abs(center.b - 50) <= 8);
+        }
+    }
+}

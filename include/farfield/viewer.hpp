@@ -26,6 +26,7 @@
 #include "farfield/fingerprint.hpp"
 #include "farfield/geometry/frustum.hpp"
 #include "farfield/policy.hpp"
+#include "farfield/source_table.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 
 namespace farfield {
@@ -52,16 +53,13 @@ class Viewer {
     /// Throws std::invalid_argument if the span is not the one (by count; for hierarchies from files also by bounds)
     /// that the hierarchy, or an instance in it, was built from.
     Viewer(const H& hierarchy, std::span<const P> primitives, R& renderer)
-        : hierarchy_(hierarchy), primitives_(primitives), renderer_(renderer), queue_(renderer, stats_) {
-        try {
-            add_source(hierarchy, primitives);
-        } catch (...) {
-            page_out_sources();
-            throw;
-        }
-        std::sort(sources_.begin(), sources_.end(), before);
+        : hierarchy_(hierarchy),
+          primitives_(primitives),
+          renderer_(renderer),
+          sources_(renderer),
+          queue_(renderer, stats_) {
+        sources_.add_all(hierarchy, primitives);
     }
-    ~Viewer() { page_out_sources(); }
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
@@ -87,14 +85,6 @@ class Viewer {
     /// Nor of a cell that takes a few stand-ins: so many times the tolerance wide.
     static constexpr float asking_pays_above_error = 2;
 
-    /// What a viewer keeps of each hierarchy it may meet.
-    struct SourceState {
-        const void* hierarchy = nullptr;
-        const void* primitives = nullptr;
-        std::uint32_t id = 0;
-        std::vector<std::uint32_t> stamps{};  ///< by primitive: the last epoch it was drawn in; shared items only
-        std::uint32_t epoch = 0;
-    };
     /// One entry of a hierarchy: the outermost one, or an instance.
     template <class H2, class P2>
     struct Visit {
@@ -103,64 +93,15 @@ class Viewer {
         Source<P2> source;
         const LocalView& view;
         std::uint64_t path;
-        SourceState& state;
+        detail::SourceState& state;
     };
-    static bool before(const SourceState& a, const SourceState& b) {
-        const std::less<const void*> less;
-        return a.hierarchy != b.hierarchy ? less(a.hierarchy, b.hierarchy) : less(a.primitives, b.primitives);
-    }
-
-    template <class H2, class P2>
-    static Source<P2> source_of(const H2& h, std::span<const P2> primitives, std::uint32_t id) {
-        return {primitives, h.order(), h.item_count(), h.origin(), id};
-    }
-
-    void page_out_sources() {
-        if constexpr (R::facts.keeps_sources) {
-            for (const SourceState& s : sources_) renderer_.page_out(s.id);
-        }
-    }
-
-    template <class H2, class P2>
-    void add_source(const H2& h, std::span<const P2> primitives) {
-        if (primitives.size() != h.primitive_count()) {
-            throw std::invalid_argument("farfield::Viewer: the hierarchy was built from " +
-                                        std::to_string(h.primitive_count()) + " primitives and is given " +
-                                        std::to_string(primitives.size()));
-        }
-        for (const SourceState& s : sources_) {
-            if (s.hierarchy == &h && s.primitives == primitives.data()) return;
-        }
-        if (h.is_from_file() && detail::fingerprint_of(primitives) != h.fingerprint()) {
-            throw std::invalid_argument(
-                "farfield::Viewer: the hierarchy in the file was built from other primitives, or in another order");
-        }
-        SourceState state{&h, primitives.data()};
-        if constexpr (R::facts.keeps_sources) state.id = renderer_.page_in(source_of(h, primitives, 0));
-        if constexpr (H2::assignment == shared) state.stamps.assign(primitives.size(), 0);
-        sources_.push_back(std::move(state));
-        if constexpr (PrimitiveWithInstance<P2>) {
-            for (const P2& p : primitives) {
-                primitive_traits<P2>::visit_instance(
-                    p, [&](const auto& instance) { add_source(*instance.hierarchy, instance.primitives); });
-            }
-        }
-    }
-
     template <class H2, class P2>
     void enter(const H2& h, std::span<const P2> primitives, const LocalView& view, std::uint64_t path) {
         static_assert(DrawableWith<H2, P2, R>, "the renderer must be able to draw what instances hold");
         if (h.item_count() == 0) return;
-        const auto found =
-            std::lower_bound(sources_.begin(), sources_.end(), SourceState{&h, primitives.data()}, before);
-        SourceState& state = *found;
-        if constexpr (H2::assignment == shared) {
-            if (++state.epoch == 0) {  // wrapped: every old stamp would look like a new one
-                std::fill(state.stamps.begin(), state.stamps.end(), 0u);
-                state.epoch = 1;
-            }
-        }
-        Visit<H2, P2> v{h, source_of(h, primitives, state.id), view, path, state};
+        detail::SourceState& state = sources_.find(h, primitives);
+        if constexpr (H2::assignment == shared) state.begin_epoch();
+        Visit<H2, P2> v{h, detail::source_of(h, primitives, state.id), view, path, state};
         visit(v, 0, h.root_cell(), h.item_count(), h.root_stand_in(), all_planes);
         queue_.flush(v.source);
     }
@@ -226,15 +167,16 @@ class Viewer {
         using H2 = std::remove_cvref_t<decltype(h)>;
         const std::span<const Node> nodes = h.nodes();
         const auto& node_data = h.data_of(index);
-        if (nodes[node.first_child].first_item != node.first_item) {
-            draw_items(v, node.first_item, nodes[node.first_child].first_item);
-        }
+        const std::size_t own_instances = instances_.size();
+        const std::uint32_t own_end = nodes[node.first_child].first_item;
+        if (own_end != node.first_item) gather_items(v, node.first_item, own_end);
         ChildOrder order{0, 1, 2, 3, 4, 5, 6, 7};
         if constexpr (traversal_order<H2, R> != Order::any) {
             h.partition_policy().front_to_back(cell, node_data, v.view.viewpoint(), order);
         }
         if constexpr (traversal_order<H2, R> == Order::back_to_front) std::reverse(order.begin(), order.end());
         const unsigned children = detail::bits_set[node.child_mask];
+        std::size_t next_instance = own_instances;
         for (const unsigned child : order) {
             if ((node.child_mask >> child & 1) == 0) continue;
             const unsigned below = (1u << child) - 1;
@@ -246,9 +188,12 @@ class Viewer {
                     data = &h.stand_ins()[node.first_child_data + detail::bits_set[node.stand_in_mask & below]];
                 }
             }
-            visit(v, at, h.partition_policy().child(cell, node_data, child),
-                  rank + 1 < children ? nodes[at + 1].first_item : end_item, data, mask);
+            const Cell child_cell = h.partition_policy().child(cell, node_data, child);
+            next_instance = draw_gathered(v, next_instance, order_key(v, child_cell.bounds_center));
+            visit(v, at, child_cell, rank + 1 < children ? nodes[at + 1].first_item : end_item, data, mask);
         }
+        draw_gathered(v, next_instance, std::numeric_limits<float>::infinity());
+        instances_.resize(own_instances);
     }
 
     template <class V, class CellData>
@@ -270,37 +215,57 @@ class Viewer {
     /// Positions [first, end), of instances what they hold.
     template <class V>
     void draw_items(V& v, std::uint32_t first, std::uint32_t end) {
-        using P2 = std::remove_cvref_t<decltype(v.source[0])>;
+        const std::size_t base = instances_.size();
+        gather_items(v, first, end);
+        draw_gathered(v, base, std::numeric_limits<float>::infinity());
+        instances_.resize(base);
+    }
+
+    /// Draws whatever is no instance; instances go on the stack, front to back by their centers, for their stand-ins
+    /// must come after those before them.
+    template <class V>
+    void gather_items(V& v, std::uint32_t first, std::uint32_t end) {
+        using P2 = typename V::primitive_type;
         if (!v.source.order.empty()) stats_.touched_bytes += std::uint64_t(end - first) * sizeof(std::uint32_t);
         if constexpr (PrimitiveWithInstance<P2>) {
-            // Whatever is no instance first, then instances front to back: their stand-ins must find the geometry
-            // before them drawn. Entries of this run lie above those of the runs that led here.
-            const std::size_t base = instances_.size();
+            const auto base = std::ptrdiff_t(instances_.size());
             std::uint32_t begin = first;
             for (std::uint32_t at = first; at < end; ++at) {
                 if (!primitive_traits<P2>::visit_instance(v.source[at], [](const auto&) {})) continue;
                 add_range(v, begin, at);
                 begin = at + 1;
-                if (is_new(v, at)) instances_.push_back({distance_to(v, v.source[at]), at});
+                const Box box = local_bounds(v.source[at], v.source.origin);
+                if (is_new(v, at)) instances_.push_back({order_key(v, box.center()), at});
             }
             add_range(v, begin, end);
-            std::sort(instances_.begin() + std::ptrdiff_t(base), instances_.end());
-            for (std::size_t i = base; i < instances_.size(); ++i) {
-                const P2& p = v.source[instances_[i].second];
-                primitive_traits<P2>::visit_instance(p, [&](const auto& instance) {
-                    draw_instance(v, instance, std::uint64_t(&p - v.source.primitives.data()));
-                });
-            }
-            instances_.resize(base);
+            std::sort(instances_.begin() + base, instances_.end());
         } else {
             add_range(v, first, end);
         }
     }
 
-    template <class V, class P2>
-    static float distance_to(const V& v, const P2& primitive) {
-        const Box box = local_bounds(primitive, v.source.origin);
-        return v.view.is_perspective ? glm::distance(box.center(), v.view.eye) : v.view.depth(box.center());
+    /// Those of the stack from `next` on that come before a key; returns the first that does not. What they hold goes
+    /// above them and is gone afterwards.
+    template <class V>
+    std::size_t draw_gathered(V& v, std::size_t next, float end_key) {
+        using P2 = typename V::primitive_type;
+        if constexpr (PrimitiveWithInstance<P2>) {
+            for (; next < instances_.size() && instances_[next].first < end_key; ++next) {
+                const P2& p = v.source[instances_[next].second];
+                primitive_traits<P2>::visit_instance(p, [&](const auto& instance) {
+                    draw_instance(v, instance, std::uint64_t(&p - v.source.primitives.data()));
+                });
+            }
+        }
+        return next;
+    }
+
+    /// Nearer ones first, or, for a renderer that paints, the other way around.
+    template <class V>
+    static float order_key(const V& v, glm::vec3 p) {
+        const float distance = v.view.is_perspective ? glm::distance(p, v.view.eye) : v.view.depth(p);
+        return traversal_order<std::remove_cvref_t<decltype(v.hierarchy)>, R> == Order::back_to_front ? -distance
+                                                                                                      : distance;
     }
 
     template <class V, class I>
@@ -317,8 +282,7 @@ class Viewer {
     template <class V>
     bool is_new(V& v, std::uint32_t position) {
         if constexpr (std::remove_cvref_t<decltype(v.hierarchy)>::assignment == shared) {
-            std::uint32_t& stamp = v.state.stamps[v.source.order.empty() ? position : v.source.order[position]];
-            return std::exchange(stamp, v.state.epoch) != v.state.epoch;
+            return v.state.is_new(v.source.order.empty() ? position : v.source.order[position]);
         } else {
             return true;
         }
@@ -342,9 +306,9 @@ class Viewer {
     std::span<const P> primitives_;
     R& renderer_;
     FrameStats stats_;
-    std::vector<SourceState> sources_;  ///< sorted
+    detail::SourceTable<R> sources_;
     DrawQueue<R> queue_;
-    std::vector<std::pair<float, std::uint32_t>> instances_;  ///< a stack of runs: distance, position
+    std::vector<std::pair<float, std::uint32_t>> instances_;  ///< a stack of runs: order key, position
 };
 
 /// Prefer this to naming the type: where something is missing, compilers say what.
