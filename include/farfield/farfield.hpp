@@ -1,6 +1,7 @@
 // Everything at once, for a first try. Every header can be included alone, and compiles faster so.
 #pragma once
 
+#include "farfield/advise.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
@@ -11,7 +12,10 @@
 #include "farfield/geometry/triangle.hpp"
 #include "farfield/instance.hpp"
 #include "farfield/measure/coverage_error.hpp"
+#include "farfield/measure/flicker.hpp"
+#include "farfield/measure/flip.hpp"
 #include "farfield/measure/image_error.hpp"
+#include "farfield/measure/projected_rect.hpp"
 #include "farfield/measure/ssim.hpp"
 #include "farfield/parallel.hpp"
 #include "farfield/partition/octree.hpp"
@@ -20,4 +24,5 @@
 #include "farfield/storage/open.hpp"
 #include "farfield/storage/prices.hpp"
 #include "farfield/storage/save.hpp"
+#include "farfield/variants.hpp"
 #include "farfield/viewer.hpp"

@@ -19,10 +19,9 @@
 
 namespace farfield {
 
-/// Mean structural similarity of the luma (Rec. 601) of two pictures over `rect` (without one: all of them),
-/// in
-/// [-1, 1]: exactly 1 for equal luma, near 0 where nothing corresponds, negative where light and dark are
-/// exchanged. Symmetric. Alpha is not compared.
+/// Mean structural similarity of the luma (Rec. 601) of two pictures over `rect` (without one: all of them), in [-1,
+/// 1]: exactly 1 for equal luma, near 0 where nothing corresponds, negative where light and dark are exchanged.
+/// Symmetric. Alpha is not compared.
 ///
 /// The mean is over the Gaussian windows of 11 x 11 pixels that lie inside of the rectangle, so the outer 5
 /// pixels count less; pixels outside of it do not count at all. Along an axis with fewer than 11 pixels there
