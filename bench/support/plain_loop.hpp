@@ -20,9 +20,15 @@ class PlainLoop {
   public:
     /// Perspective views only; triangles that cross the near plane are left out.
     void frame(std::span<const VertexColoredTriangle> triangles, const LocalView& view) {
-        const std::size_t count = std::size_t(view.width) * std::size_t(view.height);
+        clear(view.width, view.height);
+        draw(triangles, view);
+    }
+    void clear(int width, int height) {
+        const std::size_t count = std::size_t(width) * std::size_t(height);
         depth_.assign(count, std::numeric_limits<float>::infinity());
         color_.assign(count, Rgba8{0, 0, 0, 0});
+    }
+    void draw(std::span<const VertexColoredTriangle> triangles, const LocalView& view) {
         for (const VertexColoredTriangle& t : triangles) draw(t, view);
     }
     std::span<const Rgba8> pixels() const { return color_; }

@@ -2,9 +2,13 @@
 
 #include <stdexcept>
 
+#include "scenes/building.hpp"
+#include "scenes/chessboard.hpp"
 #include "scenes/forest.hpp"
 #include "scenes/island.hpp"
 #include "scenes/molecule.hpp"
+#include "scenes/quadrupled_forest.hpp"
+#include "scenes/square_cube.hpp"
 #include "scenes/tree.hpp"
 
 namespace farfield::scenes {
@@ -21,6 +25,10 @@ constexpr Entry catalog[] = {
     {"island", [] { return island(); }},
     {"forest", [] { return expanded(forest(ForestOptions{})); }},
     {"forest-instanced", [] { return forest(20); }},
+    {"quadrupled-forest", [] { return quadrupled_forest(); }},
+    {"building", [] { return building(); }},
+    {"chessboard", [] { return chessboard(); }},
+    {"cube", [] { return square_cube(); }},
 };
 
 }  // namespace

@@ -43,7 +43,7 @@ struct ColorCube {
     using cell_data = std::array<Rgba8, 6>;  ///< premultiplied; sides -x, +x, -y, +y, -z, +z
     struct pool_element {};
     static constexpr ApproximationFacts facts{
-        .needs = needs_polygons, .stands_in = true, .bounds_error = true, .compares = true, .file_tag = 0x43430001u};
+        .needs = needs_polygons, .stands_in = true, .bounds_error = true, .compares = true, .file_tag = 0x43430002u};
 
     bool wants_all_contents(const PartitionFacts& partition) const {
         // Four over four is a rule for octants; cells of other partitions are always drawn.

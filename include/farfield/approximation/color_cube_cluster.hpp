@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -105,8 +106,9 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
         return {.splats = 0.5f * faces};
     }
 
-    /// The projected side of one small cube.
-    float error_px(const cell_data&, const Cell& cell, const LocalView& view) const {
+    /// The projected side of one small cube; infinity where samples met none of the contents, which must not vanish.
+    float error_px(const cell_data& data, const Cell& cell, const LocalView& view) const {
+        if (data.count == std::array<std::uint16_t, 6>{}) return std::numeric_limits<float>::infinity();
         return view.pixels(cell.largest_side() / K, view.distance_to(cell));
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {

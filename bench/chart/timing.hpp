@@ -1,0 +1,73 @@
+// How frames are timed: in pairs with exact ones, for the machine has slow and fast phases, and only ratios within one
+// run mean something.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "farfield/view.hpp"
+#include "row.hpp"
+#include "scenes/built_scene.hpp"
+
+namespace farfield::bench {
+
+template <class F>
+double seconds_of(F&& f) {
+    const auto begin = std::chrono::steady_clock::now();
+    f();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// One of those that take turns.
+struct Contestant {
+    scenes::SceneViewer* viewer = nullptr;
+    View view;
+    FrameStats stats{};
+    std::vector<double> seconds{};   ///< of each frame
+    std::vector<double> speedups{};  ///< of each, over the first contestant's frame of the same turn
+
+    /// Short frames are drawn twice and timed once: a viewer draws the same scene frame after frame and finds it in the
+    /// caches, which the others here have emptied. Long ones fill the caches with themselves anyway.
+    double draw() {
+        constexpr double short_frame = 4e-3;
+        const auto frame = [&] { stats = viewer->frame(view); };
+        if (seconds.empty() || seconds.back() < short_frame) frame();
+        seconds.push_back(seconds_of(frame));
+        return seconds.back();
+    }
+};
+
+/// Draws each once a turn, in their order. There are fewer turns than asked for where they take longer than
+/// `limit_seconds` altogether, but three, or one where that is three times the limit. Where `is_over` says so no
+/// further turn begins.
+template <class IsOver>
+void take_turns(std::span<Contestant> contestants, int turns, double limit_seconds, IsOver&& is_over) {
+    double spent = 0;
+    for (int turn = 0; turn < turns && spent < (turn < 3 ? 3 : 1) * limit_seconds && !is_over(); ++turn) {
+        spent += seconds_of([&] {
+            for (Contestant& c : contestants) c.speedups.push_back(1 / c.draw());
+        });
+        for (Contestant& c : contestants) c.speedups.back() *= contestants.front().seconds.back();
+    }
+}
+
+/// What is known of a contestant after its last turn.
+inline void set_measured(Row& row, const Contestant& turn, const scenes::BuildFacts& built) {
+    std::vector<double> milliseconds = turn.seconds;
+    for (double& t : milliseconds) t *= 1e3;
+    row.repetitions = double(milliseconds.size());
+    row.set_times_ms(quartiles(std::move(milliseconds)));
+    row.set_speedups(quartiles(turn.speedups));
+    row.drawn_triangles = double(turn.stats.primitives);
+    row.stand_ins = double(turn.stats.approximations);
+    row.cells_visited = double(turn.stats.cells_visited);
+    row.touched_bytes = double(turn.stats.touched_bytes);
+    row.hierarchy_bytes = double(built.bytes);
+    row.hierarchy_cells = double(built.cells);
+    row.build_seconds = built.seconds;
+}
+
+}  // namespace farfield::bench

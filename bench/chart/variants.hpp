@@ -1,0 +1,32 @@
+// The variants of support/variants.hpp as the rest of the program sees them: without knowing their types.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "farfield/view.hpp"
+#include "scenes/built_scene.hpp"
+#include "scenes/scene.hpp"
+
+namespace farfield::bench {
+
+struct AnyVariant {
+    std::string name;
+    bool stands_in = false;  ///< else no tolerance changes anything
+    DistanceMeasure distance = DistanceMeasure::nearest_point;
+    std::function<std::unique_ptr<scenes::BuiltScene>(const scenes::Scene&)> build;
+};
+
+/// All, in the order of the list; the first is exact.
+const std::vector<AnyVariant>& all_variants();
+
+/// Those that a part of the program has been given to compile, and their places in the list. Each type takes some 15
+/// seconds, so the build system compiles variants_part.cpp as FARFIELD_VARIANT_PARTS objects.
+template <unsigned part>
+std::vector<std::pair<std::size_t, AnyVariant>> variants_of_part();
+
+}  // namespace farfield::bench

@@ -1,0 +1,67 @@
+// What the experiments compare: every composition of these policies. A new policy is one line here.
+#pragma once
+
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+
+#include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/color_cube_cluster.hpp"
+#include "farfield/approximation/exact.hpp"
+#include "farfield/cost/triangle_count.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/variants.hpp"
+#include "farfield/view.hpp"
+
+namespace farfield::bench {
+
+/// As a tuple of Variants; the first is `exact`, which the others are measured against. MeasuredTime would make other
+/// prices of the same cells, and twice as many types: a minute and a half more to compile, twice the time to run.
+inline auto variants() {
+    return variants_of(
+        std::tuple{
+            Named{"", Octree{}},
+            Named{"shared", SharedOctree{}},
+        },
+        std::tuple{
+            Named{"exact", Exact{}},
+            Named{"color-cube", ColorCube{}},
+            Named{"color-cube-direct", ColorCube{.inner = ColorCube::Inner::direct}},
+            Named{"color-cube-1995", ColorCube{.opacity = ColorCube::Opacity::thresholded}},
+            Named{"color-cube-cluster", ColorCubeCluster<4>{}},
+        },
+        std::tuple{
+            Named{"", TriangleCount{}},
+        });
+}
+
+/// Of the report of 1995: opaque faces go with a uniform depth and with the depth of a cell as its distance.
+template <class V>
+bool is_of_1995(const V& variant) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(variant.approximation)>, ColorCube>) {
+        return variant.approximation.opacity == ColorCube::Opacity::thresholded;
+    } else {
+        return false;
+    }
+}
+
+template <class V>
+DistanceMeasure distance_measure(const V& variant) {
+    return is_of_1995(variant) ? DistanceMeasure::depth : DistanceMeasure::nearest_point;
+}
+
+/// The variant's partition for a hierarchy over so many primitives. Surfaces fill four cells of eight; a uniform depth
+/// is such that leaves hold some ten triangles, the price of a splat: deeper ones have no stand-in that pays.
+template <class V>
+auto partition_for(const V& variant, std::size_t primitives) {
+    auto partition = variant.partition;
+    if (is_of_1995(variant)) {
+        if constexpr (requires { partition.uniform_depth; }) {
+            partition.uniform_depth = 1;
+            for (std::size_t cells = 4; cells * 10 < primitives; cells *= 4) ++partition.uniform_depth;
+        }
+    }
+    return partition;
+}
+
+}  // namespace farfield::bench

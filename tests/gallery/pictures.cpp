@@ -1,0 +1,124 @@
+// What the failure gallery may do to a picture of any variant, and what it may not.
+#include <cmath>
+
+#include "catch.hpp"
+#include "gallery/subjects.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+
+namespace {
+
+std::vector<View> views_of(const Subject& s, int size, float tolerance) {
+    std::vector<View> views{s.view(1.3, size, tolerance), s.view(4, size, tolerance), s.view(40, size, tolerance),
+                            s.orthographic_view(size, tolerance)};
+    views[1].distance = DistanceMeasure::depth;
+    return views;
+}
+
+bool finite(glm::vec3 v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool finite(const Recording& r) {
+    return std::all_of(r.faces.begin(), r.faces.end(),
+                       [](const Face& f) { return finite(f.lower) && finite(f.upper) && f.rgba.a > 0; }) &&
+           std::all_of(r.splats.begin(), r.splats.end(), [](const Splat& s) {
+               return finite(s.center) && std::isfinite(s.area) && s.area >= 0 && std::isfinite(s.footprint) &&
+                      s.footprint > 0;
+           });
+}
+
+/// No color brighter than its coverage, up to rounding.
+bool premultiplied(const Image& image) {
+    return std::all_of(image.pixels().begin(), image.pixels().end(),
+                       [](Rgba8 c) { return c.r <= c.a + 1 && c.g <= c.a + 1 && c.b <= c.a + 1; });
+}
+
+}  // namespace
+
+TEST_CASE("gallery: at any tolerance what is drawn is defined, and no primitive is drawn twice") {
+    for (const Subject& subject : subjects(3000, {0.0f, 0.5f, 1.0f})) {
+        for (const test::Variant& variant : all_variants()) {
+            const auto h = variant.build(subject.triangles);
+            const std::vector<NodeRef> nodes = all_nodes(*h);
+            ZBufferRenderer renderer;
+            const auto viewer = h->viewer(renderer);
+            for (const float tolerance : {0.0f, 0.25f, 1.0f, 4.0f, 64.0f}) {
+                for (const View& view : views_of(subject, 64, tolerance)) {
+                    INFO(subject.name << ": " << variant.name << ", tolerance " << tolerance << ", from "
+                                      << glm::length(view.camera.eye));
+                    const LocalView local = local_view<Triangle>(subject.triangles, view);
+                    bool errors_are_numbers = true;
+                    for (const NodeRef& node : nodes) {
+                        if (node.stand_in < 0) continue;
+                        errors_are_numbers &= h->error_px(std::size_t(node.stand_in), node.cell, local) >= 0;
+                    }
+                    CHECK(errors_are_numbers);
+                    for (const float splat : {0.0f, 2.0f}) {
+                        Recorder recorder;
+                        recorder.largest_splat = splat;
+                        const FrameStats stats = h->frame(view, recorder);
+                        CHECK(finite(recorder));
+                        CHECK(stats.primitives <= subject.triangles.size());
+                        if (tolerance == 0) CHECK(stats.approximations == 0);
+                    }
+                    viewer->frame(view);
+                    CHECK(premultiplied(renderer.image()));
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("gallery: without tolerance the picture is that of a plain loop, byte for byte") {
+    for (const Subject& subject : subjects(3000, {0.0f, 0.4f, 1.0f})) {
+        for (const int samples : {1, 4}) {
+            const ZBufferOptions options{.samples = samples};
+            const std::vector<View> views = views_of(subject, 96, 0);
+            std::vector<Image> plain;
+            for (const View& view : views) plain.push_back(plain_picture<Triangle>(subject.triangles, view, options));
+            for (const test::Variant& variant : all_variants()) {
+                const auto h = variant.build(subject.triangles);
+                ZBufferRenderer renderer(options);
+                const auto viewer = h->viewer(renderer);
+                for (std::size_t i = 0; i < views.size(); ++i) {
+                    INFO(subject.name << ": " << variant.name << ", view " << i << ", " << samples << " samples");
+                    viewer->frame(views[i]);
+                    CHECK(different_pixels(renderer.image(), plain[i]) == 0);
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("gallery: without tolerance no background shows through a closed surface") {
+    for (const Subject& subject : subjects(5000, {0.0f, 0.5f, 1.0f})) {
+        if (!subject.is_opaque) continue;
+        for (const double distance : {1.9, 4.0, 12.0}) {
+            const View view = subject.view(distance, 96, 0);
+            const Image finest = plain_picture<Triangle>(subject.triangles, view, {.samples = 64});
+            const auto inside = [&](int x, int y) {  // by a pixel at least
+                for (int dy = -1; dy <= 1; ++dy) {
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        if (finest.at(x + dx, y + dy).a != 255) return false;
+                    }
+                }
+                return true;
+            };
+            for (const test::Variant& variant : all_variants()) {
+                INFO(subject.name << ": " << variant.name << ", from " << distance);
+                const Image image = variant.build(subject.triangles)->picture(view);
+                int seen = 0, torn = 0;
+                for (int y = 1; y + 1 < image.height(); ++y) {
+                    for (int x = 1; x + 1 < image.width(); ++x) {
+                        if (!inside(x, y)) continue;
+                        ++seen;
+                        torn += image.at(x, y).a != 255;
+                    }
+                }
+                CHECK(seen > 20);
+                CHECK(torn == 0);
+            }
+        }
+    }
+}
