@@ -99,16 +99,17 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
 
     /// A surface through the cell: K x K cubes, seen on one side or another.
     Work expected_work() const { return {.splats = float(K * K)}; }
-    /// Half of the faces look at the viewer.
+    /// Half of the faces look at the viewer. Where samples met none of the contents they must not vanish: no price is
+    /// high enough.
     Work work(const cell_data& data) const {
         float faces = 0;
         for (const std::uint16_t n : data.count) faces += float(n);
+        if (faces == 0) return {.splats = std::numeric_limits<float>::infinity()};
         return {.splats = 0.5f * faces};
     }
 
-    /// The projected side of one small cube; infinity where samples met none of the contents, which must not vanish.
-    float error_px(const cell_data& data, const Cell& cell, const LocalView& view) const {
-        if (data.count == std::array<std::uint16_t, 6>{}) return std::numeric_limits<float>::infinity();
+    /// The projected side of one small cube.
+    float error_px(const cell_data&, const Cell& cell, const LocalView& view) const {
         return view.pixels(cell.largest_side() / K, view.distance_to(cell));
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
