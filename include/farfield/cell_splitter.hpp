@@ -237,6 +237,10 @@ class CellSplitter {
     auto touches(std::uint32_t source) const {
         return [this, source]([[maybe_unused]] const Box& box) {
             static_cast<void>(this), static_cast<void>(source);  // primitives without polygons
+            if constexpr (PrimitiveWithInstance<P>) {
+                // An instance may hold more polygons than all the rest of the scene: its bounds have to do.
+                if (primitive_traits<P>::visit_instance(primitives_[source], [](const auto&) {})) return true;
+            }
             if constexpr (PrimitiveWithPolygons<P>) {
                 bool touched = false;
                 local_polygons(primitives_[source], parts_.origin, [&](const Polygon& polygon) {

@@ -57,7 +57,8 @@ concept StatesPartitionFacts = requires {
 &&std::is_trivially_copyable_v<typename T::node_data>;
 
 /// place(cell, data, item, touches, emit): calls emit(child) for each child that gets the item, or emit.keep() to leave
-/// it in the node's own run. touches(box) says whether the primitive itself, not just its bounds, meets a box.
+/// it in the node's own run. touches(box) says whether the primitive itself, not just its bounds, meets a box;
+/// of an instance it is always true.
 namespace archetype {
 struct Emit {
     void operator()(unsigned) const {}
