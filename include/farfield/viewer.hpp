@@ -82,8 +82,6 @@ class Viewer {
   private:
     /// Whether a cell is hidden is not asked for fewer items: the answer costs about as much as drawing ten.
     static constexpr std::uint32_t asking_pays_above = 64;
-    /// Nor of a cell that takes a few stand-ins: so many times the tolerance wide.
-    static constexpr float asking_pays_above_error = 2;
 
     /// One entry of a hierarchy: the outermost one, or an instance.
     template <class H2, class P2>
@@ -129,12 +127,11 @@ class Viewer {
         // Level 0 is the node itself, whose stand-in is asked first.
         bool may_stand_in_below = node.child_mask != 0 && node.levels_to_last_stand_in != Node::nothing_below &&
                                   node.levels_to_last_stand_in != 0;
-        float error_px = std::numeric_limits<float>::infinity();
         if constexpr (A::facts.stands_in) {
             const A& approximation = h.approximation_policy();
-            if (data != nullptr) error_px = approximation.error_px(*data, cell, v.view) * detail::error_of_reach(node);
             // A tolerance of 0 means every primitive, also of a cell without extent.
-            if (v.view.tolerance_px > 0 && error_px <= v.view.tolerance_px) {
+            if (data != nullptr && v.view.tolerance_px > 0 &&
+                approximation.error_px(*data, cell, v.view) * detail::error_of_reach(node) <= v.view.tolerance_px) {
                 stand_in(v, *data, cell);
                 return;
             }
@@ -145,9 +142,7 @@ class Viewer {
             }
         }
         if constexpr (R::facts.answers_hidden) {
-            if (end_item - node.first_item > asking_pays_above &&
-                error_px > asking_pays_above_error * v.view.tolerance_px &&
-                renderer_.hidden(cell, CellId{v.path, index})) {
+            if (end_item - node.first_item > asking_pays_above && renderer_.hidden(cell, CellId{v.path, index})) {
                 ++stats_.cells_hidden;
                 return;
             }
