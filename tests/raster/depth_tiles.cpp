@@ -1,4 +1,4 @@
-// A tile's farthest depth is asked for when a question fails, and only then.
+// A tile's farthest depth is asked for when what is known of it does not answer, and only then.
 #include "farfield/raster/depth_tiles.hpp"
 
 #include <cmath>
@@ -39,7 +39,9 @@ TEST_CASE("answers are those of every sample of the tiles touched, and err only 
         CHECK_FALSE(
             tiles.all_nearer(0, 0, width - 1, height - 1, 2, [&](int, int, int, int) { return ++asked, 1.0f; }));
         CHECK(asked == 1);
-        CHECK(tiles.all_nearer(0, 0, 0, 0, 0.5f, [&](int, int, int, int) { return ++asked, 0.0f; }));
-        CHECK(asked == 1);  // known from before
+        CHECK(tiles.all_nearer(0, 0, 0, 0, 0.5f, [&](int, int, int, int) { return ++asked, 1.0f; }));
+        CHECK(asked == 2);
+        CHECK(tiles.all_nearer(0, 0, 0, 0, 0.9f, [&](int, int, int, int) { return ++asked, 0.0f; }));
+        CHECK(asked == 2);  // known from before
     }
 }

@@ -10,7 +10,7 @@
 namespace farfield {
 
 /// Depths only ever come nearer within a frame, so a farthest depth that is out of date errs towards the far side.
-/// Tiles are brought up to date when a question fails for them, never while drawing.
+/// Tiles are brought up to date when they are asked about, never while drawing.
 class DepthTiles {
   public:
     static constexpr int side = 8;
@@ -23,7 +23,8 @@ class DepthTiles {
     }
 
     /// Is every sample of the tiles that touch a rectangle (ends included, inside the picture) nearer than q?
-    /// farthest(left, top, right, bottom), half open and possibly beyond the picture, gives the least q of its samples.
+    /// farthest(left, top, right, bottom), half open and possibly beyond the picture, gives the least q of its samples,
+    /// or that of the first that is not nearer than q: most questions fail there.
     template <class Farthest>
     bool all_nearer(int x0, int y0, int x1, int y1, float q, Farthest&& farthest) {
         for (int row = y0 / side; row <= y1 / side; ++row) {
@@ -31,8 +32,9 @@ class DepthTiles {
             for (int column = x0 / side; column <= x1 / side; ++column) {
                 if (tile[column] > q) continue;
                 const int left = column * side, top = row * side;
-                tile[column] = farthest(left, top, left + side, top + side);
-                if (!(tile[column] > q)) return false;
+                const float least = farthest(left, top, left + side, top + side);
+                if (!(least > q)) return false;
+                tile[column] = least;
             }
         }
         return true;

@@ -74,7 +74,7 @@ class SampleBuffers {
         if (x0 > x1 || y0 > y1) return true;
         return far_.all_closed(x0, y0, x1, y1) ||
                tiles_.all_nearer(x0, y0, x1, y1, q, [&](int left, int top, int right, int bottom) {
-                   return farthest_open(left, top, std::min(right, width_), std::min(bottom, height_));
+                   return farthest_open(left, top, std::min(right, width_), std::min(bottom, height_), q);
                });
     }
 
@@ -112,13 +112,16 @@ class SampleBuffers {
         }
     }
 
-    /// Least q of the samples of a rectangle, half open, that are not closed.
-    float farthest_open(int left, int top, int right, int bottom) const {
+    /// Least q of the samples of a rectangle, half open, that are not closed; or of the first not nearer than q.
+    float farthest_open(int left, int top, int right, int bottom, float q) const {
         float least = std::numeric_limits<float>::infinity();
         for (int y = top; y < bottom; ++y) {
             const float* depth = depth_.data() + index(0, y);
             for (int x = left; x < right; ++x) {
-                if (depth[x] < least && far_.is_open(x, y)) least = depth[x];
+                if (depth[x] < least && far_.is_open(x, y)) {
+                    least = depth[x];
+                    if (!(least > q)) return least;
+                }
             }
         }
         return least;
