@@ -12,7 +12,8 @@ using namespace farfield::test;
 
 TEST_CASE("answers are those of every sample of the tiles touched, and err only towards no", "[raster]") {
     Random random(90);
-    for (const auto& [width, height] : {std::pair{1, 1}, {8, 8}, {9, 17}, {40, 23}}) {
+    for (const auto& size : {std::pair{1, 1}, {8, 8}, {9, 17}, {40, 23}}) {
+        const int width = size.first, height = size.second;
         std::vector<float> depth(std::size_t(width * height), -INFINITY);
         DepthTiles tiles;
         tiles.begin(width, height);
