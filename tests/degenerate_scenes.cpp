@@ -141,7 +141,7 @@ TEST_CASE("degenerate scenes build, say what stopped early, and draw as a plain 
                 recorder.largest_splat = 100;
                 h->frame(coarse, recorder);
                 for (const Splat& s : recorder.splats) {
-                    CHECK((std::isfinite(s.area) && std::isfinite(s.footprint) && s.area >= 0 && s.footprint > 0));
+                    CHECK((s.opacity >= 0 && s.opacity <= 1 && std::isfinite(s.footprint) && s.footprint > 0));
                 }
             }
         }

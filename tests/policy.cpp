@@ -106,6 +106,16 @@ struct CubeWithoutBound : ColorCube {
 struct CubeWithoutPolygons : ColorCube {
     void polygons() const {}
 };
+struct CubeWithMisspeltLaw : ColorCube {
+    void law() const {}
+};
+struct CubeWithNumberForLaw : ColorCube {
+    float law(const cell_data&) const { return 0.5f; }
+};
+struct LawWithoutStandIns : Nothing {
+    static constexpr ApproximationFacts facts{.knows_law = true};
+    AreaLaw law(const cell_data&) const { return AreaLaw::mixed; }
+};
 struct CubeThatDoesNotSay : CubeWithoutBound {
     static constexpr ApproximationFacts facts{.needs = needs_polygons, .stands_in = true};
 };
@@ -137,6 +147,10 @@ static_assert(!Approximation<StandsInWithoutHooks>, "a flag makes its hooks requ
 static_assert(!Approximation<BoundsErrorWithoutHook> && !Approximation<MisspeltLeastError>);
 static_assert(!Approximation<CubeWithMisspeltFinish> && !Approximation<CubeWithMisspeltError>);
 static_assert(!Approximation<CubeWithoutBound> && !Approximation<CubeWithoutPolygons>);
+static_assert(!Approximation<CubeWithMisspeltLaw> && !Approximation<CubeWithNumberForLaw> &&
+              !Approximation<LawWithoutStandIns>);
+static_assert(KnowsLaw<ColorCube> && KnowsLaw<ColorCubeCluster<4>> && !KnowsLaw<Exact> && KnowsLawIfStated<Exact> &&
+              !KnowsLawIfStated<CubeWithMisspeltLaw>);
 static_assert(Approximation<CubeThatDoesNotSay>, "without the flag the hook is not missed");
 static_assert(!Approximation<WithoutPool> && !Approximation<OwnsMemory> && !Approximation<Octree> &&
               !Approximation<int>);

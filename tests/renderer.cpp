@@ -87,6 +87,18 @@ struct HiddenPerhaps : Runs {
     static constexpr RendererFacts facts{.answers_hidden = true};
     float hidden(const Cell&, CellId) { return 0.5f; }
 };
+struct MisspeltDeposits : Runs {
+    static constexpr RendererFacts facts{.deposits_primitives = true};
+    bool deposits_primitive() const { return true; }
+};
+struct DepositsPerhaps : Runs {
+    static constexpr RendererFacts facts{.deposits_primitives = true};
+    float deposits_primitives() const { return 0.5f; }
+};
+struct ChangesWhenAskedForDeposits : Runs {
+    static constexpr RendererFacts facts{.deposits_primitives = true};
+    bool deposits_primitives() { return true; }
+};
 struct HiddenWithoutFlag : Runs {
     static constexpr RendererFacts facts{};
     bool is_hidden(const Cell&, CellId) { return false; }
@@ -104,6 +116,8 @@ static_assert(!Renderer<MisspeltFaces, Triangle> && !DrawsFacesIfStated<Misspelt
 static_assert(!Renderer<SplatsOfUnknownSize, Triangle> && !DrawsSplatsIfStated<SplatsOfUnknownSize>);
 static_assert(!Renderer<MisspeltHidden, Triangle> && !Renderer<HiddenPerhaps, Triangle> &&
               !AnswersHiddenIfStated<MisspeltHidden>);
+static_assert(!Renderer<MisspeltDeposits, Triangle> && !Renderer<DepositsPerhaps, Triangle> &&
+              !Renderer<ChangesWhenAskedForDeposits, Triangle> && !DepositsPrimitivesIfStated<MisspeltDeposits>);
 static_assert(Renderer<HiddenWithoutFlag, Triangle>, "a hook without its flag is not looked at");
 static_assert(!Renderer<Triangle, Triangle> && !Renderer<int, Triangle>);
 

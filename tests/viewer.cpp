@@ -25,7 +25,7 @@ bool finite(const Recording& r) {
     const auto ok = [](glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
     return std::all_of(r.faces.begin(), r.faces.end(), [&](const Face& f) { return ok(f.lower) && ok(f.upper); }) &&
            std::all_of(r.splats.begin(), r.splats.end(), [&](const Splat& s) {
-               return ok(s.center) && std::isfinite(s.area) && std::isfinite(s.footprint) && s.footprint > 0;
+               return ok(s.center) && std::isfinite(s.opacity) && std::isfinite(s.footprint) && s.footprint > 0;
            });
 }
 

@@ -2,8 +2,6 @@
 // run mean something.
 #pragma once
 
-#include <algorithm>
-#include <chrono>
 #include <span>
 #include <utility>
 #include <vector>
@@ -11,15 +9,9 @@
 #include "farfield/view.hpp"
 #include "row.hpp"
 #include "scenes/built_scene.hpp"
+#include "support/seconds.hpp"
 
 namespace farfield::bench {
-
-template <class F>
-double seconds_of(F&& f) {
-    const auto begin = std::chrono::steady_clock::now();
-    f();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 /// One of those that take turns.
 struct Contestant {
@@ -29,13 +21,8 @@ struct Contestant {
     std::vector<double> seconds{};   ///< of each frame
     std::vector<double> speedups{};  ///< of each, over the first contestant's frame of the same turn
 
-    /// Short frames are drawn twice and timed once: a viewer draws the same scene frame after frame and finds it in the
-    /// caches, which the others here have emptied. Long ones fill the caches with themselves anyway.
     double draw() {
-        constexpr double short_frame = 4e-3;
-        const auto frame = [&] { stats = viewer->frame(view); };
-        if (seconds.empty() || seconds.back() < short_frame) frame();
-        seconds.push_back(seconds_of(frame));
+        seconds.push_back(seconds_in_turn(seconds.empty() ? 0 : seconds.back(), [&] { stats = viewer->frame(view); }));
         return seconds.back();
     }
 };
@@ -47,7 +34,7 @@ template <class IsOver>
 void take_turns(std::span<Contestant> contestants, int turns, double limit_seconds, IsOver&& is_over) {
     double spent = 0;
     for (int turn = 0; turn < turns && spent < (turn < 3 ? 3 : 1) * limit_seconds && !is_over(); ++turn) {
-        spent += seconds_of([&] {
+        spent += seconds([&] {
             for (Contestant& c : contestants) c.speedups.push_back(1 / c.draw());
         });
         for (Contestant& c : contestants) c.speedups.back() *= contestants.front().seconds.back();

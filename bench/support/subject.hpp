@@ -1,8 +1,6 @@
 // A scene with its reference and the views of the papers' tables, built once for all benchmarks of a program.
 #pragma once
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <span>
 #include <string>
@@ -16,28 +14,13 @@
 #include "farfield/viewer.hpp"
 #include "scenes/catalog.hpp"
 #include "scenes/scene.hpp"
+#include "support/seconds.hpp"
 
 namespace farfield::bench {
 
 using Primitive = VertexColoredTriangle;
 using ExactHierarchy = SpatialHierarchy<Octree, Exact, TriangleCount>;
 using CubeHierarchy = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
-
-inline double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-template <class F>
-double seconds(F&& f) {
-    const auto start = std::chrono::steady_clock::now();
-    f();
-    return seconds_since(start);
-}
-
-inline double median(std::vector<double> v) {
-    std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
-    return v[v.size() / 2];
-}
 
 /// One scene under one kind of hierarchy, in the hierarchy's order.
 template <class H>

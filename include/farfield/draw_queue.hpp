@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,7 +19,8 @@ namespace farfield {
 /// elsewhere, silently.
 ///
 /// Geometry goes before stand-ins: primitives that wait come from before the stand-ins that wait, or from behind them,
-/// where drawing them early changes nothing. Stand-ins keep their order.
+/// where drawing them early changes nothing. Stand-ins keep their order, and so do runs with a law, which the renderer
+/// may deposit: among themselves and among stand-ins.
 template <class R>
 class DrawQueue {
   public:
@@ -49,14 +51,21 @@ class DrawQueue {
 
     /// Positions [first, end).
     template <class P>
-    void add_run(const Source<P>& source, std::uint32_t first, std::uint32_t end) {
+    void add_run(const Source<P>& source, std::uint32_t first, std::uint32_t end, std::optional<AreaLaw> law) {
         if (first == end) return;
         stats_.primitives += end - first;
-        if (range_count_ != 0 && ranges_[range_count_ - 1].first + ranges_[range_count_ - 1].count == first) {
-            ranges_[range_count_ - 1].count += end - first;
-            return;
+        if (law) {
+            if (splat_count_ + face_count_ != 0) flush(source);
+            in_order_ = true;
         }
-        ranges_[range_count_++] = {first, end - first};
+        if (range_count_ != 0) {
+            Range& last = ranges_[range_count_ - 1];
+            if (last.first + last.count == first && last.law == law) {
+                last.count += end - first;
+                return;
+            }
+        }
+        ranges_[range_count_++] = {first, end - first, law};
         if (range_count_ == batch) flush(source);
     }
 
@@ -83,7 +92,9 @@ class DrawQueue {
     template <class P>
     void flush(const Source<P>& source) {
         if (range_count_ != 0) {
-            if constexpr (R::facts.order == Order::any) merge_ranges();
+            if constexpr (R::facts.order == Order::any) {
+                if (!std::exchange(in_order_, false)) merge_ranges();
+            }
             stats_.runs += range_count_;
             renderer_.draw(source, std::span<const Range>(ranges_.data(), std::exchange(range_count_, 0)));
         }
@@ -141,6 +152,7 @@ class DrawQueue {
     std::array<Splat, batch> splats_;
     std::array<Face, batch> faces_;
     std::size_t range_count_ = 0, splat_count_ = 0, face_count_ = 0;
+    bool in_order_ = false;  ///< a range that waits has a law
     std::vector<Deferred> deferred_;
     std::vector<LocalView> views_;
 };

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "farfield/cell.hpp"
+#include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/orthographic_sampler.hpp"
 #include "farfield/primitive.hpp"
 #include "farfield/renderer.hpp"
@@ -92,6 +93,7 @@ struct ApproximationFacts {
     bool has_pool = false;      ///< finish() may append to a pool of pool_element
     bool bounds_error = false;  ///< least_error_px is required
     bool compares = false;      ///< reproduces is required; not where there is a pool
+    bool knows_law = false;     ///< law is required; only where cells have stand-ins
     std::uint32_t file_tag = 0;
 };
 
@@ -162,6 +164,13 @@ concept ComparesWithChildren =
     { a.reproduces(cell, draft, children) } -> std::same_as<bool>;
 };
 
+/// How primitives go together that lie in a cell, or in a cell below it without a stand-in of its own: what a renderer
+/// needs that deposits those smaller than a sample (geometry/area_law.hpp).
+template <class A>
+concept KnowsLaw = requires(const A& a, const typename A::cell_data& data) {
+    { a.law(data) } -> std::same_as<AreaLaw>;
+};
+
 template <class A>
 concept MakesStandInsIfStated = !A::facts.stands_in || MakesStandIns<A>;
 template <class A>
@@ -170,8 +179,11 @@ template <class A>
 concept ComparesIfStated = !A::facts.compares || (A::facts.stands_in && ComparesWithChildren<A>);
 
 template <class A>
-concept Approximation =
-    StatesApproximationFacts<A> && MakesStandInsIfStated<A> && BoundsErrorIfStated<A> && ComparesIfStated<A>;
+concept KnowsLawIfStated = !A::facts.knows_law || (A::facts.stands_in && KnowsLaw<A>);
+
+template <class A>
+concept Approximation = StatesApproximationFacts<A> && MakesStandInsIfStated<A> && BoundsErrorIfStated<A> &&
+    ComparesIfStated<A> && KnowsLawIfStated<A>;
 
 // --- CostModel: what is a unit of each kind of work worth?
 // ------------------------------------------------------------

@@ -1,13 +1,15 @@
-// What the user brings to draw with: ranges of primitives always; faces, splats and answers about occlusion where the
-// renderer's facts say so.
+// What the user brings to draw with: ranges of primitives always; faces, splats, deposits of primitives and answers
+// about occlusion where the renderer's facts say so.
 #pragma once
 
 #include <concepts>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 
 #include "farfield/cell.hpp"
+#include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/local_view.hpp"
 #include "farfield/primitive.hpp"
@@ -24,6 +26,9 @@ enum class Ordering : std::uint8_t { none, cells, primitives };
 struct Range {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
+    /// How the primitives of the cell that it belongs to go together, for a renderer that deposits the small ones.
+    /// Unset: unknown, or nobody asked; each primitive is then drawn for itself.
+    std::optional<AreaLaw> law{};
 };
 
 /// Where the primitives of a run come from. Spans stay valid as long as the viewer that hands it over.
@@ -52,13 +57,13 @@ struct Face {
     std::uint8_t side;  ///< 0..5: looks to -x, +x, -y, +y, -z, +z
 };
 
-/// A far-field cell small enough to have no shape: `area` is deposited over `footprint` by the area law
-/// (geometry/area_law.hpp). Both are projected areas, squarely towards the viewer, in squared local units.
+/// A far-field cell small enough to have no shape: something of this opacity, deposited over a square by the area law
+/// (geometry/area_law.hpp).
 struct Splat {
     glm::vec3 center;
-    float footprint;
-    float area;
-    Rgba8 rgb;  ///< of what covers, not premultiplied; alpha holds the area law's class
+    float footprint;  ///< projected area of the square, squarely towards the viewer, in squared local units; above 0
+    float opacity;    ///< of what lies in the square, 0 to 1
+    Rgba8 rgb;        ///< of what covers, not premultiplied; alpha holds the area law's class
 };
 
 /// What a renderer promises and asks. Each flag makes the hook beside it required, so that a misspelt hook is an
@@ -71,6 +76,9 @@ struct RendererFacts {
     bool draws_faces = false;     ///< draw(std::span<const Face>)
     bool draws_splats = false;    ///< draw(std::span<const Splat>), float largest_splat_px()
     bool answers_hidden = false;  ///< bool hidden(const Cell&, CellId): may err only towards false
+    /// bool deposits_primitives() const, asked after begin_frame: whether in this frame ranges carry their cell's law
+    /// where it is known. Cells with a law come front to back, in order with the stand-ins among them.
+    bool deposits_primitives = false;
 };
 
 template <class R>
@@ -113,6 +121,11 @@ concept AnswersHidden = requires(R& r, const Cell& cell, CellId id) {
     { r.hidden(cell, id) } -> std::same_as<bool>;
 };
 
+template <class R>
+concept DepositsPrimitives = requires(const R& r) {
+    { r.deposits_primitives() } -> std::same_as<bool>;
+};
+
 template <class R, class P>
 concept KeepsSourcesIfStated = !R::facts.keeps_sources || KeepsSources<R, P>;
 template <class R>
@@ -122,8 +135,11 @@ concept DrawsSplatsIfStated = !R::facts.draws_splats || DrawsSplats<R>;
 template <class R>
 concept AnswersHiddenIfStated = !R::facts.answers_hidden || AnswersHidden<R>;
 
+template <class R>
+concept DepositsPrimitivesIfStated = !R::facts.deposits_primitives || DepositsPrimitives<R>;
+
 template <class R, class P>
 concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && KeepsSourcesIfStated<R, P> &&
-    DrawsFacesIfStated<R> && DrawsSplatsIfStated<R> && AnswersHiddenIfStated<R>;
+    DrawsFacesIfStated<R> && DrawsSplatsIfStated<R> && AnswersHiddenIfStated<R> && DepositsPrimitivesIfStated<R>;
 
 }  // namespace farfield

@@ -23,7 +23,7 @@ bool finite(const Recording& r) {
     return std::all_of(r.faces.begin(), r.faces.end(),
                        [](const Face& f) { return finite(f.lower) && finite(f.upper) && f.rgba.a > 0; }) &&
            std::all_of(r.splats.begin(), r.splats.end(), [](const Splat& s) {
-               return finite(s.center) && std::isfinite(s.area) && s.area >= 0 && std::isfinite(s.footprint) &&
+               return finite(s.center) && s.opacity >= 0 && s.opacity <= 1 && std::isfinite(s.footprint) &&
                       s.footprint > 0;
            });
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Recording {
         glm::vec3 eye;  ///< of the view it is drawn in
         std::size_t faces_before;
         std::size_t splats_before;
+        std::optional<AreaLaw> law{};
     };
     std::vector<Draw> draws;
     std::vector<Face> faces;
@@ -28,6 +30,7 @@ struct Recording {
     std::size_t ranges = 0, frames = 0, paged_in = 0, paged_out = 0;
     float largest_splat = 0;
     bool hides_everything = false;
+    bool deposits = false;
 
     /// Forgets what was drawn.
     void clear() {
@@ -60,13 +63,14 @@ class BasicRecorder : public Recording {
             ++ranges;
             for (std::uint32_t i = r.first; i < r.first + r.count; ++i) {
                 draws.push_back({source.id, std::uint32_t(&source[i] - source.primitives.data()), views.back().eye,
-                                 faces.size(), splats.size()});
+                                 faces.size(), splats.size(), r.law});
             }
         }
     }
     void draw(std::span<const Face> f) { faces.insert(faces.end(), f.begin(), f.end()); }
     void draw(std::span<const Splat> s) { splats.insert(splats.end(), s.begin(), s.end()); }
     float largest_splat_px() const { return largest_splat; }
+    bool deposits_primitives() const { return deposits; }
     bool hidden(const Cell& cell, CellId id) {
         asked.push_back(id);
         asked_cells.push_back(cell);
@@ -74,8 +78,11 @@ class BasicRecorder : public Recording {
     }
 };
 
-using Recorder = BasicRecorder<RendererFacts{
-    .keeps_sources = true, .draws_faces = true, .draws_splats = true, .answers_hidden = true}>;
+using Recorder = BasicRecorder<RendererFacts{.keeps_sources = true,
+                                             .draws_faces = true,
+                                             .draws_splats = true,
+                                             .answers_hidden = true,
+                                             .deposits_primitives = true}>;
 /// Stand-ins come as faces, after everything else, back to front.
 using BackToFrontRecorder = BasicRecorder<RendererFacts{.order = Order::back_to_front,
                                                         .far_field_order = Order::back_to_front,

@@ -81,7 +81,7 @@ inline Splat splat_of(glm::vec3 center, float footprint, glm::vec4 sum) {
     const float alpha = sum.a / (255 * footprint);
     const AreaLaw law = law_of_opacity(alpha);
     const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / sum.a) + 0.5f, glm::vec3(255.0f));
-    return {center, footprint, footprint * area_of_opacity(alpha, law),
+    return {center, footprint, alpha,
             Rgba8{std::uint8_t(rgb.r), std::uint8_t(rgb.g), std::uint8_t(rgb.b), std::uint8_t(law)}};
 }
 

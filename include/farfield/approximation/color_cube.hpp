@@ -42,8 +42,12 @@ struct ColorCube {
     using draft = std::array<glm::vec4, 6>;
     using cell_data = std::array<Rgba8, 6>;  ///< premultiplied; sides -x, +x, -y, +y, -z, +z
     struct pool_element {};
-    static constexpr ApproximationFacts facts{
-        .needs = needs_polygons, .stands_in = true, .bounds_error = true, .compares = true, .file_tag = 0x43430002u};
+    static constexpr ApproximationFacts facts{.needs = needs_polygons,
+                                              .stands_in = true,
+                                              .bounds_error = true,
+                                              .compares = true,
+                                              .knows_law = true,
+                                              .file_tag = 0x43430002u};
 
     bool wants_all_contents(const PartitionFacts& partition) const {
         // Four over four is a rule for octants; cells of other partitions are always drawn.
@@ -102,6 +106,13 @@ struct ColorCube {
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
         return least_projected_side(cell, levels, view);
+    }
+
+    /// Of the faces' mean opacity, weighted by itself: the faces that see a surface on edge say nothing about it.
+    AreaLaw law(const cell_data& data) const {
+        unsigned sum = 0, squares = 0;
+        for (const Rgba8 c : data) sum += c.a, squares += unsigned(c.a) * c.a;
+        return law_of_opacity(float(squares) / (255.0f * float(std::max(sum, 1u))));
     }
 
     /// The six faces, colors not premultiplied.

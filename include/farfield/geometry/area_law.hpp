@@ -1,60 +1,90 @@
 // How much of a pixel is left after something of a given area was drawn into it.
 //
 // Where two things of area X each fall into one pixel, the pixel may end up covered by 2X (they are parts of one
-// surface, side by side) or by 1 - (1 - X)^2 (leaves, strewn independently). One number k tells the two apart:
+// surface, side by side) or by 1 - (1 - X)^2 (leaves, strewn independently). One number c tells the two apart:
 //
-//     T' = max(0, T^k - k X)^(1/k)        k = 1: T' = T - X        k -> 0: T' = T exp(-X)
+//     (T' + c) = (T + c) exp(-X / (1 + c)), cut off at 0
 //
-// T is the transmittance still left. The law is exact under splitting a thing in parts, which is why it lives at the
-// pixel and not in a cell's alpha. Three classes of k are enough, and need no power function.
+//     c = 0: T' = T exp(-X)        c -> infinity: T' = T - X
+//
+// T is the transmittance still left. The law is exact under splitting a thing in parts and does not ask in which order
+// they come, which is why it lives at the pixel and not in a cell's alpha; and it takes from T a part that is linear in
+// T, so that a deposit is two numbers whatever its law. ((T^k - k X)^(1/k), with k from 0 to 1, has the same ends and
+// the same virtues but needs a power in between.) Three classes are enough: 0, 1 and infinity.
+//
+// Things of different laws do depend on their order, by less than the product of their areas.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 namespace farfield {
 
-enum class AreaLaw : std::uint8_t { independent = 0, mixed = 1, coherent = 2 };  ///< k = 0, 1/2, 1
+enum class AreaLaw : std::uint8_t { independent = 0, mixed = 1, coherent = 2 };  ///< c = 0, 1, infinity
 
 /// Below this a sample counts as closed: half a step of eight bits.
 inline constexpr float closed_transmittance = 0.5f / 255.0f;
 
-/// Transmittance after depositing `area`, in units of the sample's own area. Both arguments 0 or more.
-inline float transmitted(float transmittance, float area, AreaLaw law) {
+/// What is taken from a transmittance T: T' = max(0, T - relative T - absolute). Where only a part of a sample is
+/// covered, that part of both. Neither is negative; relative is 1 at most, absolute may be more.
+struct Loss {
+    float relative = 0;
+    float absolute = 0;
+};
+
+namespace detail {
+/// 1 - exp(-x) to 1e-5, and to 1e-5 of itself, for x of 0 or more; 1 at most. By arithmetic alone, which is the same on
+/// every machine where a library's exponential is not: Pade's quotient at x / 8, squared three times.
+constexpr float absorbed(float x) {
+    const float y = x < 24 ? 0.125f * x : 3.0f;
+    float part = 12 * y / (12 + y * (6 + y));
+    for (int i = 0; i < 3; ++i) part *= 2 - part;
+    return part;
+}
+}  // namespace detail
+
+/// Of `area`, 0 or more, in units of the sample's own.
+constexpr Loss loss_of_area(float area, AreaLaw law) {
     switch (law) {
         case AreaLaw::coherent:
-            return transmittance > area ? transmittance - area : 0.0f;
+            return {0, area};
         case AreaLaw::mixed: {
-            const float root = std::sqrt(transmittance) - 0.5f * area;
-            return root > 0 ? root * root : 0.0f;
+            const float part = detail::absorbed(0.5f * area);
+            return {part, part};
         }
         case AreaLaw::independent:
-            // exp(-area) to 0.002 for areas below 1/2, never below it: what falls into one sample is small, and a
-            // quotient is the same on every machine where a library's exponential is not.
-            return transmittance / (1 + area * (1 + area * (0.5f + area * (1.0f / 6))));
+            return {detail::absorbed(area), 0};
     }
-    return transmittance;
+    return {};
+}
+
+/// That leaves 1 - alpha of a fresh sample: the coverage of something opaque, or its opacity, 0 to 1.
+constexpr Loss loss_of_opacity(float alpha, AreaLaw law) {
+    switch (law) {
+        case AreaLaw::coherent:
+            return {0, alpha};
+        case AreaLaw::mixed:
+            return {0.5f * alpha, 0.5f * alpha};
+        case AreaLaw::independent:
+            return {alpha, 0};
+    }
+    return {};
+}
+
+/// Transmittance after a loss. Never negative.
+constexpr float transmitted(float transmittance, Loss loss) {
+    const float left = transmittance - (transmittance * loss.relative + loss.absolute);
+    return left > 0 ? left : 0.0f;
+}
+
+/// Transmittance after depositing `area`, in units of the sample's own area. Both arguments 0 or more.
+constexpr float transmitted(float transmittance, float area, AreaLaw law) {
+    return transmitted(transmittance, loss_of_area(area, law));
 }
 
 /// The law that suits something of this opacity where nothing else is known: what is opaque is a surface, what is
 /// thin is strewn. (Chamberlain's cubes carry an opacity only.)
 constexpr AreaLaw law_of_opacity(float alpha) {
     return alpha >= 0.75f ? AreaLaw::coherent : alpha >= 0.375f ? AreaLaw::mixed : AreaLaw::independent;
-}
-
-/// The area that leaves 1 - alpha of a fresh sample: the inverse of `transmitted(1, x, law)`, for `independent` to 0.01
-/// up to an alpha of 1/2.
-inline float area_of_opacity(float alpha, AreaLaw law) {
-    switch (law) {
-        case AreaLaw::coherent:
-            return alpha;
-        case AreaLaw::mixed:
-            return 2 * (1 - std::sqrt(1 - alpha));
-        case AreaLaw::independent:
-            return alpha *
-                   (1 + alpha * (0.5f + alpha * (1.0f / 3 + alpha * (0.25f + alpha * 0.2f))));  // -log(1 - alpha)
-    }
-    return alpha;
 }
 
 }  // namespace farfield

@@ -56,6 +56,12 @@ concept OrthographicSampler = std::copyable<S> &&
     s.sample(grid, visit, out);
 };
 
+/// A sampler that can tell how bright a polygon's side is without drawing it: what areas and colors are added up from.
+template <class S>
+concept LightsPolygons = requires(const S& s, const Polygon& polygon, glm::vec3 facing_viewer) {
+    { s.brightness(polygon, facing_viewer) } -> std::convertible_to<float>;
+};
+
 /// Point samples at the centers of the grid's squares, vertices snapped to 1/256 of a square, shared edges covered
 /// once. The nearest polygon from each side wins; of two at one depth the first.
 class GridSampler {
@@ -64,6 +70,11 @@ class GridSampler {
 
     GridSampler() = default;
     explicit GridSampler(const DirectionalLight& l) : light(l) {}
+
+    /// What the side with this normal (any length) multiplies colors by.
+    float brightness(const Polygon& polygon, glm::vec3 facing_viewer) const {
+        return light && !polygon.is_lit ? light->brightness(facing_viewer) : 1.0f;
+    }
 
     template <class Visit>
     void sample(const SampleGrid& grid, Visit&& visit, std::span<Rgba8> out) {

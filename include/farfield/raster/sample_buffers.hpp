@@ -51,17 +51,16 @@ class SampleBuffers {
     bool has_far() const { return far_.has_begun(); }
 
     /// As FarSamples::deposit_row.
-    template <AreaLaw law, class Depth>
-    void deposit_row(int y, int begin, int end, Depth&& q, float area, glm::vec3 rgb) {
-        far_.deposit_row<law>(
-            depth_.data(), y - first_y_, begin - first_x_, end - first_x_, [&](int x) { return q(x + first_x_); }, area,
+    template <class Depth>
+    void deposit_row(int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
+        far_.deposit_row(
+            depth_.data(), y - first_y_, begin - first_x_, end - first_x_, [&](int x) { return q(x + first_x_); }, loss,
             rgb);
     }
     /// As FarSamples::deposit_square.
-    template <AreaLaw law>
-    void deposit_square(float left, float top, float right, float bottom, float q, float share, glm::vec3 rgb) {
+    void deposit_square(float left, float top, float right, float bottom, float q, Loss loss, glm::vec3 rgb) {
         const auto x0 = float(first_x_), y0 = float(first_y_);
-        far_.deposit_square<law>(depth_.data(), left - x0, top - y0, right - x0, bottom - y0, q, share, rgb);
+        far_.deposit_square(depth_.data(), left - x0, top - y0, right - x0, bottom - y0, q, loss, rgb);
     }
 
     /// Can nothing as far as q or farther change any sample of a rectangle (ends included), because it is closed or its

@@ -1,5 +1,6 @@
 // Which triangles hold a sample at all? Far away nearly none does, and a triangle must then cost next to nothing: it is
-// transformed, snapped and rejected many at a step, before any set-up.
+// transformed, snapped and rejected many at a step, before any set-up. Where small ones are deposited instead, what a
+// deposit takes is made in the same step.
 //
 // The same source is compiled for vectors of one, four and eight lanes; eight are taken at run time where the processor
 // has AVX2. Fused multiply-add is left out on purpose: all widths compute the same bits.
@@ -13,17 +14,27 @@
 
 namespace farfield {
 
-/// Corners in 1/256 sample, relative to the center sample, to be snapped; valid for lanes in TriageMasks::draw.
+/// A triangle whose bounding box is smaller than this many samples on both axes is small: it may be deposited.
+inline constexpr float deposited_below = 2.0f;
+
+/// Valid for lanes in TriageMasks::draw: corners in 1/256 sample, relative to the center sample, to be snapped. For
+/// lanes in TriageMasks::small: centroid in samples, relative likewise, and area in squared samples, above 0.
 struct TriagedBlock {
     float x[3][TriangleBlock::lanes];
     float y[3][TriangleBlock::lanes];
     float q[3][TriangleBlock::lanes];
+    float center_x[TriangleBlock::lanes];
+    float center_y[TriangleBlock::lanes];
+    float center_q[TriangleBlock::lanes];
+    float area[TriangleBlock::lanes];
 };
 
 /// One bit a lane.
 struct TriageMasks {
-    unsigned draw;  ///< may hold a sample of the image
-    unsigned clip;  ///< crosses the near plane or leaves the guard band: see polygon_clip.hpp
+    unsigned draw;   ///< may hold a sample of the image
+    unsigned clip;   ///< crosses the near plane or leaves the guard band: see polygon_clip.hpp
+    unsigned small;  ///< to be deposited: has an area and touches the image. None where that is not asked for
+    unsigned front;  ///< of the small: counter-clockwise on the screen
 };
 
 enum class Simd : std::uint8_t { automatic, scalar, four_lanes, eight_lanes };
@@ -68,12 +79,13 @@ namespace eight_lanes {
 using TriageFunction = TriageMasks (*)(const TriangleBlock&, const SampleProjection&, TriagedBlock&);
 
 /// The widest that the processor has, or the one asked for; eight lanes fall back to four where there are none.
-inline TriageFunction triage_function(Simd simd) {
-    if (simd == Simd::scalar) return &one_lane::triage_any;
+template <bool deposits>
+TriageFunction triage_function(Simd simd) {
+    if (simd == Simd::scalar) return &one_lane::triage_any<deposits>;
 #if defined(__x86_64__)
-    if (simd != Simd::four_lanes && __builtin_cpu_supports("avx2")) return &eight_lanes::triage_any;
+    if (simd != Simd::four_lanes && __builtin_cpu_supports("avx2")) return &eight_lanes::triage_any<deposits>;
 #endif
-    return &four_lanes::triage_any;
+    return &four_lanes::triage_any<deposits>;
 }
 
 }  // namespace farfield

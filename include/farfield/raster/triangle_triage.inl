@@ -41,11 +41,11 @@ inline Ints snapped(Floats v) {
     return (Ints)((Words)(v + snap_rounder) - snap_rounder_bits);
 }
 
-template <bool perspective>
+template <bool perspective, bool deposits>
 inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to, TriagedBlock& out) {
-    TriageMasks masks{0, 0};
+    TriageMasks masks{0, 0, 0, 0};
     for (unsigned first = 0; first < TriangleBlock::lanes; first += FARFIELD_LANES) {
-        Floats x[3], y[3];
+        Floats x[3], y[3], q[3];
         Ints behind[3];
         for (unsigned c = 0; c < 3; ++c) {
             const Floats dx = load(block.v[3 * c] + first) - to.eye.x;
@@ -58,15 +58,16 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to
                 const Floats inverse = 1.0f / depth;
                 x[c] *= inverse;
                 y[c] *= inverse;
-                store(out.q[c] + first, inverse * to.q_of_inverse);
+                q[c] = inverse * to.q_of_inverse;
             } else {
-                store(out.q[c] + first, depth * to.q_of_depth);
+                q[c] = depth * to.q_of_depth;
             }
             x[c] += to.offset_x;
             y[c] += to.offset_y;
             behind[c] = (Ints)(depth < to.near_depth);
             store(out.x[c] + first, x[c]);
             store(out.y[c] + first, y[c]);
+            store(out.q[c] + first, q[c]);
         }
         // Rounding keeps order: the box is snapped, its corners where it matters.
         const Floats low_x = lower(lower(x[0], x[1]), x[2]), high_x = upper(upper(x[0], x[1]), x[2]);
@@ -83,10 +84,24 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to
                                      (Ints)(y0 >= to.end_y) | (Ints)(x1 < to.first_x) | (Ints)(y1 < to.first_y);
         masks.draw |= bits(~(holds_no_sample | clip | gone)) << first;
         masks.clip |= bits(clip) << first;
+        if constexpr (deposits) {
+            const float limit = deposited_below * 256;
+            const Ints is_small = (Ints)(high_x - low_x < limit) & (Ints)(high_y - low_y < limit);
+            const Floats doubled_area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+            const Ints in_image = (Ints)(high_x > float(to.first_x) * 256) & (Ints)(low_x < float(to.end_x) * 256) &
+                                  (Ints)(high_y > float(to.first_y) * 256) & (Ints)(low_y < float(to.end_y) * 256);
+            masks.small |= bits(is_small & in_image & (Ints)(doubled_area != 0.0f) & ~(clip | gone)) << first;
+            masks.front |= bits((Ints)(doubled_area < 0.0f)) << first;
+            store(out.center_x + first, (x[0] + x[1] + x[2]) * (1.0f / 768));
+            store(out.center_y + first, (y[0] + y[1] + y[2]) * (1.0f / 768));
+            store(out.center_q + first, (q[0] + q[1] + q[2]) * (1.0f / 3));
+            store(out.area + first, upper(doubled_area, -doubled_area) * 0x1p-17f);
+        }
     }
     return masks;
 }
 
+template <bool deposits>
 inline TriageMasks triage_any(const TriangleBlock& block, const SampleProjection& to, TriagedBlock& out) {
-    return to.is_perspective ? triage<true>(block, to, out) : triage<false>(block, to, out);
+    return to.is_perspective ? triage<true, deposits>(block, to, out) : triage<false, deposits>(block, to, out);
 }

@@ -1,0 +1,132 @@
+// What an opacity tensor keeps of a cell: 16 bytes.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/rgba8.hpp"
+
+namespace farfield {
+
+/// A cell's contents as numbers; lengths in sides of the cell's bounds, areas in squares of it.
+struct TensorShape {
+    /// Lower triangle L, by columns (xx, yx, zx, yy, zy, zz), of the tensor: towards a unit vector w the contents'
+    /// projected area is |L^T w|.
+    std::array<float, 6> root{};
+    /// Area of fronts less that of backs, seen from w: dot(facing, w). Closed surfaces only.
+    glm::vec3 facing{0};
+    /// Luminance times area, in units of the mean luminance, is area + dot(tone, w).
+    glm::vec3 tone{0};
+    glm::vec3 center{0};  ///< centroid, from the lower corner of the bounds; 0 to 1
+    glm::vec3 extent{0};  ///< of the contents' box, above 0
+    glm::vec3 rgb{0};     ///< 0 to 255
+    float error = 0;      ///< 0 to 1
+    AreaLaw law = AreaLaw::independent;
+
+    /// Transposed: its length is the area seen from w.
+    glm::vec3 seen_from(glm::vec3 w) const {
+        return {root[0] * w.x + root[1] * w.y + root[2] * w.z, root[3] * w.y + root[4] * w.z, root[5] * w.z};
+    }
+};
+
+/// The root of the tensor and not the tensor is quantized: an error of 1/126 is one of the area seen, not of its
+/// square, so that a sheet stays thin seen edge-on.
+class PackedTensor {
+  public:
+    PackedTensor() = default;
+    explicit PackedTensor(const TensorShape& shape) {
+        float largest = 0;
+        for (const float v : shape.root) largest = std::max(largest, std::abs(v));
+        const float exponent = std::round((std::log2(std::max(largest, 1e-30f)) + octaves_below) * steps_an_octave);
+        const float kept = glm::clamp(exponent, 0.0f, 511.0f);
+        const float scale = scale_of(std::uint32_t(kept));
+        Bits first{first_}, second{second_};
+        for (const float v : shape.root) first.put(6, signed_bits(v / scale, 31));
+        for (int axis = 0; axis < 3; ++axis) first.put(5, nearest(shape.center[axis] * 32 - 0.5f, 31));
+        for (int axis = 0; axis < 3; ++axis) first.put(4, nearest(shape.extent[axis] * 16 - 1, 15));
+        for (int axis = 0; axis < 3; ++axis) second.put(5, signed_bits(shape.facing[axis] / scale, 15));
+        for (int axis = 0; axis < 3; ++axis) second.put(5, signed_bits(shape.tone[axis] / scale, 15));
+        second.put(5, nearest(shape.rgb.r * (31.0f / 255), 31));
+        second.put(6, nearest(shape.rgb.g * (63.0f / 255), 63));
+        second.put(5, nearest(shape.rgb.b * (31.0f / 255), 31));
+        first.put(1, std::uint32_t(kept) & 1);
+        second.put(8, std::uint32_t(kept) >> 1);
+        second.put(2, std::uint32_t(shape.law));
+        second.put(8, std::uint32_t(std::ceil(glm::clamp(shape.error, 0.0f, 1.0f) * 255)));
+    }
+
+    TensorShape unpacked() const {
+        TensorShape s;
+        std::uint64_t bits = first_;
+        const auto take = [&](unsigned count) {
+            const auto v = std::uint32_t(bits & ((1u << count) - 1));
+            bits >>= count;
+            return v;
+        };
+        const auto take_signed = [&](unsigned count) { return float(std::int32_t(take(count)) - (1 << (count - 1))); };
+        for (float& v : s.root) v = take_signed(6);
+        for (int axis = 0; axis < 3; ++axis) s.center[axis] = (float(take(5)) + 0.5f) * (1.0f / 32);
+        for (int axis = 0; axis < 3; ++axis) s.extent[axis] = float(take(4) + 1) * (1.0f / 16);
+        const std::uint32_t low = take(1);
+        bits = second_;
+        for (int axis = 0; axis < 3; ++axis) s.facing[axis] = take_signed(5);
+        for (int axis = 0; axis < 3; ++axis) s.tone[axis] = take_signed(5);
+        s.rgb.r = float(take(5)) * (255.0f / 31);
+        s.rgb.g = float(take(6)) * (255.0f / 63);
+        s.rgb.b = float(take(5)) * (255.0f / 31);
+        const float scale = scale_of(take(8) << 1 | low);
+        for (float& v : s.root) v *= scale * (1.0f / 31);
+        s.facing *= scale * (1.0f / 15);
+        s.tone *= scale * (1.0f / 15);
+        s.law = AreaLaw(take(2));
+        s.error = float(take(8)) * (1.0f / 255);
+        return s;
+    }
+
+    AreaLaw law() const { return AreaLaw(second_ >> 54 & 3); }
+    float error() const { return float(second_ >> 56) * (1.0f / 255); }
+    bool is_sound() const { return (second_ >> 54 & 3) <= 2; }
+
+    friend bool operator==(const PackedTensor&, const PackedTensor&) = default;
+
+  private:
+    /// 2^-22 to 2^10 in steps of 4 %: areas are off by 2 % at most, and as often too large as too small.
+    static constexpr float octaves_below = 22, steps_an_octave = 16;
+
+    static float scale_of(std::uint32_t exponent) {
+        static const auto fractions = [] {
+            std::array<float, 16> table;
+            for (int i = 0; i < 16; ++i) table[std::size_t(i)] = std::exp2(float(i) / steps_an_octave);
+            return table;
+        }();
+        return fractions[exponent & 15] * std::bit_cast<float>((127u - 22u + (exponent >> 4)) << 23);
+    }
+    static std::uint32_t nearest(float v, float most) { return std::uint32_t(glm::clamp(v + 0.5f, 0.0f, most + 0.5f)); }
+    /// -1 to 1, offset so that it is not negative.
+    static std::uint32_t signed_bits(float v, float most) {
+        return std::uint32_t(std::int32_t(std::round(glm::clamp(v, -1.0f, 1.0f) * most)) + std::int32_t(most) + 1);
+    }
+
+    struct Bits {
+        std::uint64_t& to;
+        unsigned at = 0;
+        void put(unsigned count, std::uint32_t value) {
+            to |= std::uint64_t(value) << at;
+            at += count;
+        }
+    };
+
+    // From the lowest bit. All of them are used: what is less than a hundredth is not worth a seventeenth byte.
+    std::uint64_t first_ = 0;   ///< root 6 x 6, center 3 x 5, extent 3 x 4, scale's lowest
+    std::uint64_t second_ = 0;  ///< facing 3 x 5, tone 3 x 5, color 5 + 6 + 5, rest of scale 8, law 2, error 8
+};
+static_assert(sizeof(PackedTensor) == 16);
+
+}  // namespace farfield

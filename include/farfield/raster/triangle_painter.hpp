@@ -1,0 +1,181 @@
+// One triangle into a picture: by scan conversion into the z-buffer, or deposited as a whole where it is small.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <utility>
+
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/light.hpp"
+#include "farfield/raster/polygon_clip.hpp"
+#include "farfield/raster/sample_buffers.hpp"
+#include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/scan_conversion.hpp"
+#include "farfield/raster/shading.hpp"
+#include "farfield/raster/triangle_stream.hpp"
+#include "farfield/raster/triangle_triage.hpp"
+
+namespace farfield {
+
+/// For as long as view and source stay. `light` is in the source's axes; null: colors as they are.
+class TrianglePainter {
+  public:
+    TrianglePainter(const TriangleStream& stream, const SampleProjection& to, const DirectionalLight* light,
+                    bool culls_back_faces, SampleBuffers& buffers)
+        : stream_(stream), to_(to), light_(light), culls_back_faces_(culls_back_faces), buffers_(buffers) {}
+
+    /// A lane of TriageMasks::draw.
+    void draw(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane) {
+        SnappedTriangle t = snapped(triaged, lane);
+        draw(triangle, t);
+    }
+
+    /// A lane of TriageMasks::draw that was deposited too: as far away as its farthest corner, so that it hides neither
+    /// its own deposit nor its neighbors'.
+    void draw_behind(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane) {
+        SnappedTriangle t = snapped(triaged, lane);
+        t.q[0] = t.q[1] = t.q[2] = std::min(std::min(t.q[0], t.q[1]), t.q[2]);
+        draw(triangle, t);
+    }
+
+    /// A lane of TriageMasks::clip.
+    void draw_clipped(std::uint32_t triangle) {
+        ClippedPolygon polygon;
+        const Rgba8* colors = stream_.colors(triangle);
+        for (unsigned c = 0; c < 3; ++c) {
+            polygon.add(stream_.vertex(triangle, c), to_, to_vec4(colors[stream_.several_colors() ? c : 0]));
+        }
+        polygon.clip(to_);
+        for (std::size_t i = 2; i < polygon.size(); ++i) {
+            SnappedTriangle t;
+            Rgba8 corners[3];
+            const std::size_t from[3] = {0, i - 1, i};
+            for (unsigned c = 0; c < 3; ++c) {
+                polygon.snap(from[c], to_, t, c);
+                corners[c] = to_rgba8(polygon[from[c]].color);
+            }
+            draw(triangle, t, corners);
+        }
+    }
+
+    /// A lane of TriageMasks::small, after SampleBuffers::begin_far(): a square of its area about its centroid, in the
+    /// mean of its corners' colors. `opaque` is what its law takes where it covers all and lets nothing through.
+    void deposit(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane, bool front, Loss opaque) {
+        const Rgba8* colors = stream_.colors(triangle);
+        glm::vec3 rgb = channels(colors[0]);
+        auto alpha = float(colors[0].a);
+        if (stream_.several_colors()) {
+            rgb = (rgb + channels(colors[1]) + channels(colors[2])) * (1.0f / 3);
+            alpha = (alpha + float(colors[1].a) + float(colors[2].a)) * (1.0f / 3);
+        }
+        if (alpha == 0) return;
+        const float brightness = light_ ? light_->brightness(normal(triangle, front)) : 1.0f;
+        const float x = triaged.center_x[lane], y = triaged.center_y[lane];
+        const float half = 0.5f * std::sqrt(triaged.area[lane]), part = alpha * (1.0f / 255);
+        buffers_.deposit_square(x - half, y - half, x + half, y + half, triaged.center_q[lane],
+                                {part * opaque.relative, part * opaque.absolute},
+                                glm::min(rgb * (brightness * (1.0f / 255)), glm::vec3(1)));
+    }
+
+  private:
+    static glm::vec3 channels(Rgba8 c) { return {float(c.r), float(c.g), float(c.b)}; }
+
+    static SnappedTriangle snapped(const TriagedBlock& triaged, unsigned lane) {
+        SnappedTriangle t;
+        for (unsigned c = 0; c < 3; ++c) {
+            t.x[c] = snapped_to_256th(triaged.x[c][lane]);
+            t.y[c] = snapped_to_256th(triaged.y[c][lane]);
+            t.q[c] = triaged.q[c][lane];
+        }
+        return t;
+    }
+
+    /// On the side that is seen, any length.
+    glm::vec3 normal(std::uint32_t triangle, bool front) const {
+        const glm::vec3 a = stream_.vertex(triangle, 0);
+        const glm::vec3 n = glm::cross(stream_.vertex(triangle, 1) - a, stream_.vertex(triangle, 2) - a);
+        return front ? n : -n;
+    }
+
+    void draw(std::uint32_t triangle, SnappedTriangle& t) {
+        const Rgba8* colors = stream_.colors(triangle);
+        Rgba8 corners[3] = {colors[0], colors[0], colors[0]};
+        if (stream_.several_colors()) corners[1] = colors[1], corners[2] = colors[2];
+        draw(triangle, t, corners);
+    }
+
+    void draw(std::uint32_t triangle, SnappedTriangle& t, Rgba8 (&colors)[3]) {
+        const std::int64_t signed_area = t.doubled_area();
+        if (signed_area == 0) return;
+        const bool front = signed_area < 0;  // counter-clockwise, rows running downwards
+        if (front) {
+            t.flip();
+            std::swap(colors[1], colors[2]);
+        } else if (culls_back_faces_) {
+            return;
+        }
+        const std::int64_t doubled_area = front ? -signed_area : signed_area;
+        const auto light = [&] {
+            if (!light_) return;
+            const float brightness = light_->brightness(normal(triangle, front));
+            for (Rgba8& c : colors) c = scaled(c, brightness);
+        };
+        const bool one_color = colors[0] == colors[1] && colors[0] == colors[2];
+        if (one_color && colors[0].a == 255) {
+            fill(t, doubled_area, light, [&](int, int) { return colors[0]; });
+        } else {
+            const ColorPlane plane(t, doubled_area, to_.is_perspective);
+            const std::uint32_t hash =
+                hash_of_triangle(stream_.vertex(triangle, 0), stream_.vertex(triangle, 1), stream_.vertex(triangle, 2));
+            fill(t, doubled_area, light, [&](int x, int y) {
+                Rgba8 c = one_color ? colors[0] : plane.at(x, y, colors);
+                if (c.a != 255 && !covered_by_hash(x, y, hash, c.a)) c.a = 0;
+                return c;
+            });
+        }
+    }
+
+    /// shade(x, y) gives the sample's color; with alpha 0 it is not covered after all. What is not needed before a
+    /// sample is known to be covered comes after: half of the triangles that get here cover none.
+    template <class Light, class Shade>
+    void fill(const SnappedTriangle& t, std::int64_t doubled_area, Light&& light, Shade&& shade) {
+        DepthPlane plane;
+        bool prepared = false;
+        scan_convert(t, to_, [&](int y, int begin, int end) {
+            if (!prepared) {
+                prepared = true;
+                plane = DepthPlane(t, doubled_area);
+                light();
+            }
+            float* depth = buffers_.depth_row(y);
+            Rgba8* color = buffers_.color_row(y);
+            const float row = plane.row(y);
+            buffers_.near_drawn(begin, y, end, y + 1);
+            for (int x = begin; x < end; ++x) {
+                const float q = plane.at(row, x);
+                if (q < depth[x]) continue;
+                Rgba8 c = shade(x, y);
+                if (c.a == 0) continue;
+                c.a = 255;
+                if (q == depth[x] && std::bit_cast<std::uint32_t>(c) <= std::bit_cast<std::uint32_t>(color[x]))
+                    continue;
+                depth[x] = q;
+                color[x] = c;
+            }
+        });
+    }
+
+    const TriangleStream& stream_;
+    const SampleProjection& to_;
+    const DirectionalLight* light_;
+    bool culls_back_faces_;
+    SampleBuffers& buffers_;
+};
+
+}  // namespace farfield
