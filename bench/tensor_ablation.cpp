@@ -109,10 +109,11 @@ struct Squares : OpacityTensor {
 
 /// As with ZBufferOptions{.deposits_small_triangles = false}: where no law is known, nothing is deposited but cells.
 struct PointSampledTriangles : OpacityTensor {
-    static constexpr ApproximationFacts facts = [](auto f) {
-        if constexpr (requires { f.knows_law; }) f.knows_law = false;
+    static constexpr ApproximationFacts facts = [] {
+        ApproximationFacts f = OpacityTensor::facts;
+        f.knows_law = false;
         return f;
-    }(OpacityTensor::facts);
+    }();
 };
 
 template <class Ablated>

@@ -141,7 +141,8 @@ TEST_CASE("degenerate scenes build, say what stopped early, and draw as a plain 
                 recorder.largest_splat = 100;
                 h->frame(coarse, recorder);
                 for (const Splat& s : recorder.splats) {
-                    CHECK((s.opacity >= 0 && s.opacity <= 1 && std::isfinite(s.footprint) && s.footprint > 0));
+                    CHECK((s.opacity >= 0 && s.opacity <= 1 && std::isfinite(s.size.x * s.size.y) && s.size.x > 0 &&
+                           s.size.y > 0));
                 }
             }
         }

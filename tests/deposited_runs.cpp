@@ -11,8 +11,8 @@
 
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
-#include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/cost/triangle_count.hpp"
 #include "farfield/instance.hpp"
 #include "farfield/partition/octree.hpp"
@@ -27,7 +27,16 @@ using namespace farfield::test;
 namespace {
 
 using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
-using Clusters = SpatialHierarchy<Octree, ColorCubeCluster<2>, TriangleCount>;
+using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
+
+template <class H>
+H built(const Triangles& triangles) {
+    if constexpr (std::is_same_v<H, Cubes>) {
+        return H::template build<Triangle>(triangles, Octree{}, ColorCube{.guesses_law = true});
+    } else {
+        return H::template build<Triangle>(triangles);
+    }
+}
 using ExactHierarchy = SpatialHierarchy<Octree, Exact, TriangleCount>;
 
 /// Leaves strewn about a wall of many triangles, and a few large ones.
@@ -104,7 +113,7 @@ std::vector<View> views() {
 template <class H>
 void check_runs() {
     const Triangles triangles = leaves_and_a_wall();
-    const H h = H::template build<Triangle>(triangles);
+    const H h = built<H>(triangles);
     std::size_t with_law = 0, behind_stand_ins = 0;
     std::array<std::size_t, 3> by_law{};
     for (const View& view : views()) {
@@ -173,12 +182,12 @@ auto drawn(const H& h, const Triangles& triangles, const View& view, bool deposi
 
 TEST_CASE("runs carry the law of a cell they are in and come front to back, in order with stand-ins") {
     check_runs<Cubes>();
-    check_runs<Clusters>();
+    check_runs<Tensors>();
 }
 
 TEST_CASE("every cell below the root has a law where the root has a stand-in, drawn or not") {
     const Triangles triangles = random_triangles(5000, 202, 0.02f);
-    const Cubes h = Cubes::build<Triangle>(triangles);
+    const Cubes h = built<Cubes>(triangles);
     REQUIRE(h.root_stand_in() != nullptr);
     const Recorder recorder = drawn(h, triangles, looking({0.2, 0.1, 1.5}, {}, 128, 0.01f), true);
     CHECK(recorder.splats.empty());
@@ -186,9 +195,11 @@ TEST_CASE("every cell below the root has a law where the root has a stand-in, dr
     CHECK(std::all_of(recorder.draws.begin(), recorder.draws.end(), [](const auto& d) { return d.law.has_value(); }));
 }
 
-TEST_CASE("no run has a law without tolerance, without a renderer that asks for it, or of an exact hierarchy") {
+TEST_CASE(
+    "no run has a law without tolerance, without a renderer that asks for it, or of a hierarchy that knows none") {
     const Triangles triangles = leaves_and_a_wall();
-    const Cubes cubes = Cubes::build<Triangle>(triangles);
+    const Cubes cubes = built<Cubes>(triangles);
+    const Cubes silent_cubes = Cubes::build<Triangle>(triangles);
     const ExactHierarchy exact = ExactHierarchy::build<Triangle>(triangles);
     const auto without = [](const Recorder& r) {
         return std::none_of(r.draws.begin(), r.draws.end(), [](const auto& d) { return d.law.has_value(); });
@@ -202,6 +213,7 @@ TEST_CASE("no run has a law without tolerance, without a renderer that asks for 
     };
     for (View view : views()) {
         CHECK(without(drawn(cubes, triangles, view, false)));
+        CHECK(without(drawn(silent_cubes, triangles, view, true)));
         const Recorder asked = drawn(exact, triangles, view, true), silent = drawn(exact, triangles, view, false);
         CHECK(without(asked));
         CHECK(same(asked, silent));
@@ -214,7 +226,7 @@ TEST_CASE("no run has a law without tolerance, without a renderer that asks for 
 
 TEST_CASE("the same primitives come with laws as without, but for some that are out of sight") {
     const Triangles triangles = leaves_and_a_wall();
-    const Cubes h = Cubes::build<Triangle>(triangles);
+    const Cubes h = built<Cubes>(triangles);
     for (const View& view : views()) {
         const auto sorted = [&](bool deposits) {
             std::vector<std::uint32_t> out;

@@ -25,7 +25,8 @@ bool finite(const Recording& r) {
     const auto ok = [](glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
     return std::all_of(r.faces.begin(), r.faces.end(), [&](const Face& f) { return ok(f.lower) && ok(f.upper); }) &&
            std::all_of(r.splats.begin(), r.splats.end(), [&](const Splat& s) {
-               return ok(s.center) && std::isfinite(s.opacity) && std::isfinite(s.footprint) && s.footprint > 0;
+               return ok(s.center) && std::isfinite(s.opacity) && std::isfinite(s.size.x * s.size.y) && s.size.x > 0 &&
+                      s.size.y > 0;
            });
 }
 
@@ -277,7 +278,7 @@ TEST_CASE("stand-ins come front to back: no cell's before that of a cell in fron
                 for (std::size_t j = i + 1; j < recorder.splats.size(); ++j) {
                     const glm::vec3 first = local.towards_viewer(recorder.splats[i].center),
                                     later = local.towards_viewer(recorder.splats[j].center);
-                    const float side = std::sqrt(std::max(recorder.splats[i].footprint, recorder.splats[j].footprint));
+                    const float side = std::max(recorder.splats[i].size.x, recorder.splats[j].size.x);
                     const glm::vec3 towards = glm::normalize(first);
                     // Later, straight in front of the first, by more than a cell: never.
                     const glm::vec3 d = recorder.splats[j].center - recorder.splats[i].center;

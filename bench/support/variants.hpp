@@ -8,6 +8,7 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/cost/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/variants.hpp"
@@ -26,6 +27,7 @@ inline auto variants() {
         std::tuple{
             Named{"exact", Exact{}},
             Named{"color-cube", ColorCube{}},
+            Named{"opacity-tensor", OpacityTensor{}},
             Named{"color-cube-direct", ColorCube{.inner = ColorCube::Inner::direct}},
             Named{"color-cube-1995", ColorCube{.opacity = ColorCube::Opacity::thresholded}},
             Named{"color-cube-cluster", ColorCubeCluster<4>{}},

@@ -13,6 +13,7 @@ constexpr Variant table[] = {
      build_color_cube_cluster},
     {"color-cube-1995", "octree of uniform depth, opaque faces, distance is depth (Chamberlain et al. 1995)",
      build_color_cube_1995, farfield::DistanceMeasure::depth},
+    {"opacity-tensor", "adaptive octree, projected area in any direction, drawn by the area law", build_opacity_tensor},
 };
 
 }  // namespace

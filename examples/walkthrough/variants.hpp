@@ -31,5 +31,6 @@ std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_direct(const farf
 std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_1995(const farfield::scenes::Scene& scene);
 std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_cluster(const farfield::scenes::Scene& scene);
 std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_shared(const farfield::scenes::Scene& scene);
+std::unique_ptr<farfield::scenes::BuiltScene> build_opacity_tensor(const farfield::scenes::Scene& scene);
 
 }  // namespace walkthrough

@@ -5,6 +5,7 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/calibration.hpp"
 #include "farfield/cost/measured_time.hpp"
 #include "farfield/cost/triangle_count.hpp"

@@ -31,6 +31,7 @@ template <Assignment assigned>
 struct BasicOctree;
 struct Exact;
 struct ColorCube;
+struct OpacityTensor;
 struct TriangleCount;
 struct MeasuredTime;
 

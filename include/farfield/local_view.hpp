@@ -92,6 +92,14 @@ struct LocalView {
     /// For orders from a viewpoint: w = 1 a point, w = 0 the direction towards an infinitely far viewer.
     glm::vec4 viewpoint() const { return is_perspective ? glm::vec4(eye, 1) : glm::vec4(-forward, 0); }
 
+    /// What the area of something small, seen squarely from the viewer, is multiplied by in the picture, which it meets
+    /// under an angle away from its center. 1 or more; 1 behind the viewer.
+    float stretch(glm::vec3 p) const {
+        const glm::vec3 d = p - eye;
+        const float depth = glm::dot(d, forward);
+        return is_perspective && depth > 0 ? std::sqrt(glm::dot(d, d)) / depth : 1.0f;
+    }
+
     /// Direction from a point towards the viewer, not normalized.
     glm::vec3 towards_viewer(glm::vec3 p) const { return is_perspective ? eye - p : -forward; }
 

@@ -7,6 +7,7 @@
 #include <concepts>
 #include <cstdint>
 #include <glm/vec4.hpp>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -165,10 +166,10 @@ concept ComparesWithChildren =
 };
 
 /// How primitives go together that lie in a cell, or in a cell below it without a stand-in of its own: what a renderer
-/// needs that deposits those smaller than a sample (geometry/area_law.hpp).
+/// needs that deposits those smaller than a sample (geometry/area_law.hpp). Unset: they are drawn one by one.
 template <class A>
 concept KnowsLaw = requires(const A& a, const typename A::cell_data& data) {
-    { a.law(data) } -> std::same_as<AreaLaw>;
+    { a.law(data) } -> std::same_as<std::optional<AreaLaw>>;
 };
 
 template <class A>

@@ -4,6 +4,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <span>
@@ -57,13 +58,13 @@ struct Face {
     std::uint8_t side;  ///< 0..5: looks to -x, +x, -y, +y, -z, +z
 };
 
-/// A far-field cell small enough to have no shape: something of this opacity, deposited over a square by the area law
-/// (geometry/area_law.hpp).
+/// A far-field cell small enough to have no shape: something of this opacity, deposited over an upright rectangle of
+/// the picture by the area law (geometry/area_law.hpp).
 struct Splat {
     glm::vec3 center;
-    float footprint;  ///< projected area of the square, squarely towards the viewer, in squared local units; above 0
-    float opacity;    ///< of what lies in the square, 0 to 1
-    Rgba8 rgb;        ///< of what covers, not premultiplied; alpha holds the area law's class
+    glm::vec2 size;  ///< width and height, as local lengths at the center's depth; above 0
+    float opacity;   ///< of what lies in it, 0 to 1
+    Rgba8 rgb;       ///< of what covers, not premultiplied; alpha holds the area law's class
 };
 
 /// What a renderer promises and asks. Each flag makes the hook beside it required, so that a misspelt hook is an

@@ -117,20 +117,8 @@ TEST_CASE("faces of a cluster are never seen from behind", "[approximation]") {
             CHECK(f.lower[axis] == f.upper[axis]);
             CHECK((f.side & 1 ? towards > 0 : towards < 0));
         }
-        for (const Splat& s : splats) CHECK((s.footprint > 0 && s.opacity > 0 && s.opacity <= 1));
+        for (const Splat& s : splats) CHECK((s.size.x > 0 && s.size.y > 0 && s.opacity > 0 && s.opacity <= 1));
     }
-}
-
-TEST_CASE("a cluster tells a surface from what is strewn, and refuses a law there is not", "[approximation]") {
-    const ColorCubeCluster<4> a;
-    const Made<4> wall(a, cube_cell(), sheet({-1, -1, 0.6f}, {2, 0, 0}, {0, 2, 0}, 4, 4, {255, 255, 255, 255}));
-    const Made<4> leaves(a, cube_cell(), random_triangles(300, 32, 0.02f));
-    CHECK(a.law(wall.data) == AreaLaw::coherent);
-    CHECK(a.law(leaves.data) == AreaLaw::independent);
-    CHECK(a.is_sound(wall.data, wall.pool));
-    auto forged = wall.data;
-    forged.law = 3;
-    CHECK(!a.is_sound(forged, wall.pool));
 }
 
 TEST_CASE("a cluster of one is a color cube", "[approximation]") {

@@ -111,6 +111,13 @@ double exactly_covered(const Triangles& triangles, glm::vec3 direction) {
     return coverage(plain_picture<Triangle>(triangles, view, {.samples = 64})) / 256;
 }
 
+/// Rounding of what is stored: of the scale and of the root's entries, a part of the area.
+constexpr float stored = 0.022f + 0.017f;
+/// Three deviations of the number of samples that hit a square so many samples wide, as a part of that number.
+float seen_by_masks(float samples_wide) {
+    return 3 * std::sqrt(0.28f * samples_wide) / (samples_wide * samples_wide);
+}
+
 bool finite(glm::vec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -165,16 +172,19 @@ TEST_CASE("a wall covers the cosine of the angle it is seen under", "[approximat
 
 TEST_CASE("a flat piece of any direction covers what is seen of it", "[approximation]") {
     Random random(102);
-    for (int i = 0; i < 100; ++i) {
+    const OpacityTensor areas_alone{.counts_overlap = false, .sheet_gain = 1};
+    const Cell cell = unit_cell();
+    for (int i = 0; i < 200; ++i) {
         const glm::vec3 n = random.direction();
-        const float side = random.between(0.3f, 1);
-        const Cell cell = unit_cell();
-        const PackedTensor data = data_of(cell, square(random.in_cube(0.2f), n, side));
+        const float side = random.between(0.8f, 1.4f);
+        const Triangles triangles = square(random.in_cube(0.1f), n, side);
+        const PackedTensor data = data_of(cell, triangles), alone = data_of(cell, triangles, areas_alone);
         for (int k = 0; k < 10; ++k) {
             const glm::vec3 w = random.direction();
-            const float part = covered_from(data, cell, w) / (side * side);
-            INFO("normal " << n.x << " " << n.y << " " << n.z << ", cosine " << glm::dot(n, w) << ", side " << side);
-            CHECK(std::abs(part - std::abs(glm::dot(n, w))) <= 0.06f);
+            const float cosine = std::abs(glm::dot(n, w)), area = side * side;
+            INFO("normal " << n.x << " " << n.y << " " << n.z << ", cosine " << cosine << ", side " << side);
+            CHECK(std::abs(covered_from(alone, cell, w, areas_alone) / area - cosine) <= stored);
+            CHECK(std::abs(covered_from(data, cell, w) / area - cosine) <= stored + seen_by_masks(side * 16));
         }
     }
 }
@@ -186,11 +196,12 @@ TEST_CASE("leaves cover what is seen between them", "[approximation]") {
         const Cell cell = unit_cell();
         const PackedTensor data = data_of(cell, triangles);
         CHECK(data.law() == AreaLaw::independent);
-        for (int i = 0; i < 6; ++i) {
-            const glm::vec3 w = random.direction();
+        for (int i = 0; i < 9; ++i) {
+            const glm::vec3 w = i < 3 ? glm::vec3(i == 0, i == 1, i == 2) : random.direction();
             const double exact = exactly_covered(triangles, w);
             INFO("fill " << fill << ", exactly " << exact);
-            CHECK(double(covered_from(data, cell, w)) == Approx(exact).epsilon(0.06));
+            // Askew a box is thinner at its rim than in its middle, of which one opacity does not know.
+            CHECK(double(covered_from(data, cell, w)) == Approx(exact).epsilon(i < 3 ? 0.06 : 0.12));
         }
     }
 }
@@ -399,7 +410,8 @@ TEST_CASE("away from the picture's center it covers what perspective makes of it
         cell = placed(cell, side, eye + depth + local.right * random.between(-3, 3) + local.up * random.between(-3, 3));
         const glm::vec3 n = random.direction();
         const Triangles triangles = square(cell.center, n, side);
-        const PackedTensor data = data_of(cell, triangles);
+        const OpacityTensor areas_alone{.counts_overlap = false, .sheet_gain = 1};
+        const PackedTensor data = data_of(cell, triangles, areas_alone);
         const auto projected = [&](glm::vec3 p) {
             const glm::dvec3 d = glm::dvec3(p) - glm::dvec3(eye);
             return glm::dvec2(glm::dot(d, glm::dvec3(local.right)), glm::dot(d, glm::dvec3(local.up))) /
@@ -415,8 +427,8 @@ TEST_CASE("away from the picture's center it covers what perspective makes of it
         const double at_depth = double(glm::dot(d, local.forward));
         const double squarely = double(side) * side / (at_depth * at_depth);
         INFO("round " << i << ", " << glm::length(d) / float(at_depth) << " off center");
-        const double found = double(covered(draw(data, cell, view))) / (at_depth * at_depth);
-        CHECK(std::abs(found - exact) <= 0.05 * squarely * double(glm::length(d)) / at_depth);
+        const double found = double(covered(draw(data, cell, view, areas_alone))) / (at_depth * at_depth);
+        CHECK(std::abs(found - exact) <= double(stored) * squarely * double(glm::length(d)) / at_depth);
     }
     // Squarely seen along an axis, where quantization takes nothing: within 3 %.
     for (const float off : {0.0f, 0.3f, 0.6f, 1.0f}) {
@@ -437,12 +449,18 @@ TEST_CASE("what is drawn lies where the contents are", "[approximation]") {
         const Cell cell = unit_cell();
         const float side = random.between(0.2f, 0.8f);
         const glm::vec3 center = random.in_cube(0.5f), n = random.direction();
-        const PackedTensor data = data_of(cell, square(center, n, side));
-        const Drawn d = draw(data, cell, from(random.direction()));
+        const Triangles triangles = square(center, n, side);
+        const PackedTensor data = data_of(cell, triangles);
+        const View view = from(random.direction());
+        const Drawn d = draw(data, cell, view);
         if (d.splats.empty()) continue;
         CHECK(glm::length(d.splats[0].center - center) <= 0.06f);
-        // No wider than what it stands for, in whatever direction.
-        CHECK(std::max(d.splats[0].size.x, d.splats[0].size.y) <= 1.6f * side + 0.2f);
+        // No wider or higher than the contents' box and the cell's sixteenth by which that is rounded.
+        Box box = Box::empty();
+        for (const Triangle& t : triangles) box.add(t.bounds());
+        const glm::vec3 size = box.size() + 2.0f / 16;
+        CHECK(d.splats[0].size.x <= glm::dot(glm::abs(view.camera.right), size));
+        CHECK(d.splats[0].size.y <= glm::dot(glm::abs(view.camera.up), size));
     }
 }
 
@@ -452,7 +470,7 @@ TEST_CASE("a translucent cell counts as much as its alpha", "[approximation]") {
         Triangles t = sheet({-1, -1, 0.1f}, {2 * part, 0, 0}, {0, 2, 0}, 4, 4, {200, 100, 50, 128});
         const PackedTensor data = data_of(cell, t);
         INFO(part);
-        CHECK(covered_from(data, cell, {0, 0, 1}) == Approx(4 * part * 128 / 255).epsilon(0.03));
+        CHECK(covered_from(data, cell, {0, 0, 1}) == Approx(4 * part * 128 / 255).epsilon(double(stored)));
         CHECK(covered_from(data, cell, {0.6f, 0, 0.8f}) == Approx(0.8 * 4 * part * 128 / 255).epsilon(0.08));
         const Drawn d = draw(data, cell, from({0, 0, 1}));
         REQUIRE(d.splats.size() == 1);
@@ -584,7 +602,7 @@ TEST_CASE("tensors are the same at any scale and place", "[approximation]") {
                                           : square(random.in_cube(0.2f), random.direction(), 0.9f);
         const Cell cell = unit_cell();
         const PackedTensor here = data_of(cell, triangles);
-        for (const int exponent : {-40, -13, 13, 40}) {
+        for (const int exponent : {-20, -13, 13, 23}) {
             const float scale = std::ldexp(1.0f, exponent);
             CHECK(data_of(placed(cell, scale, {}), moved(triangles, scale)) == here);
         }
@@ -632,46 +650,72 @@ TEST_CASE("the error is the cell's side on the screen", "[approximation]") {
     }
 }
 
-TEST_CASE("hierarchies of tensors cover what they stand for", "[approximation]") {
-    struct Subject {
-        const char* name;
-        Triangles triangles;
-        bool is_wall = false;
-    };
-    std::vector<Subject> subjects;
-    subjects.push_back({"sphere", sphere({0, 0, 0}, 1, 64, {200, 150, 100, 255})});
-    subjects.push_back({"leaves", leaves(1, 0.03f, 1170)});
-    subjects.push_back({"wall", sheet({-1, -1, 0.13f}, {2, 0, 0}, {0, 2, 0}, 64, 64, white), true});
-    for (const Subject& s : subjects) {
-        const Tensors tensors = Tensors::build<Triangle>(s.triangles);
-        const Cubes cubes = Cubes::build<Triangle>(s.triangles);
-        double bias = 0, tensor_mse = 0, cube_mse = 0;
-        int count = 0;
-        Random random(117);
-        for (int i = 0; i < 8; ++i) {
-            const glm::vec3 w =
-                s.is_wall ? glm::normalize(glm::vec3(0.3f * float(i), 0.1f * float(i), 1)) : random.direction();
-            for (const double distance : {6.0, 20.0}) {
-                View view = i % 2 ? looking(glm::dvec3(w) * distance, {}, 64)
-                                  : looking_orthographic(glm::dvec3(w) * 6.0, {}, float(distance) / 2, 64);
-                const ZBufferOptions options{.samples = 64};
-                const Image exact = plain_picture<Triangle>(s.triangles, view, options);
-                view.tolerance_px = 1;
-                const Image tensor = picture(tensors, s.triangles, view, options);
-                const Image cube = picture(cubes, s.triangles, view, options);
-                const double b = coverage_error(tensor, exact).bias;
-                INFO(s.name << ", view " << i << ", distance " << distance << ", cubes' bias "
-                            << coverage_error(cube, exact).bias);
-                CHECK(std::abs(b) < 0.05);
-                bias += b;
-                tensor_mse += mse(tensor, exact);
-                cube_mse += mse(cube, exact);
-                ++count;
-            }
-        }
-        INFO(s.name << ": RMSE " << std::sqrt(tensor_mse / count) << ", of cubes " << std::sqrt(cube_mse / count)
-                    << ", bias " << bias / count);
-        CHECK(std::abs(bias / count) < 0.05);
-        CHECK(tensor_mse <= cube_mse);
+TEST_CASE("scenes of any size are drawn as numbers", "[approximation]") {
+    const Triangles triangles = random_triangles(60, 118, 0.3f);
+    for (const int exponent : {-60, -40, -30, 30, 40, 60}) {
+        const float scale = std::ldexp(1.0f, exponent);
+        const Cell cell = placed(unit_cell(), scale, {});
+        const PackedTensor data = data_of(cell, moved(triangles, scale));
+        const TensorShape shape = data.unpacked();
+        INFO("2^" << exponent);
+        CHECK(data.is_sound());
+        if (data == PackedTensor{}) continue;  // drawn as primitives
+        CHECK(std::abs(shape.root[0] - 0.33f) < 0.1f);
+        const View view = looking_orthographic({0, 0, 5 * double(scale)}, {}, 3 * scale);
+        CHECK(covered(draw(data, cell, view)) / (scale * scale) == Approx(2.0f).margin(1.0f));
     }
+}
+
+namespace {
+
+/// Pictures at 64 samples of things `size_px` wide against exact ones, over eight views.
+void check_coverage(const Triangles& triangles, int size_px, const std::vector<glm::vec3>& directions) {
+    const Tensors tensors = Tensors::build<Triangle>(triangles);
+    const Cubes cubes = Cubes::build<Triangle>(triangles);
+    double bias = 0, tensor_mse = 0, cube_mse = 0, cube_bias = 0;
+    for (const glm::vec3 w : directions) {
+        View view = looking_orthographic(glm::dvec3(w) * 6.0, {}, 2 * 48 / float(size_px), 48);
+        const ZBufferOptions options{.samples = 64};
+        const Image exact = plain_picture<Triangle>(triangles, view, options);
+        view.tolerance_px = 1;
+        const Image tensor = picture(tensors, triangles, view, options);
+        const Image cube = picture(cubes, triangles, view, options);
+        CHECK(different_pixels(tensor, exact) > size_px);
+        bias += coverage_error(tensor, exact).bias;
+        cube_bias += coverage_error(cube, exact).bias;
+        tensor_mse += mse(tensor, exact);
+        cube_mse += mse(cube, exact);
+    }
+    const auto count = double(directions.size());
+    INFO(size_px << " pixels wide: RMSE " << std::sqrt(tensor_mse / count) << " and bias " << bias / count
+                 << ", of cubes " << std::sqrt(cube_mse / count) << " and " << cube_bias / count);
+    CHECK(std::abs(bias / count) < 0.05);
+    CHECK(tensor_mse <= cube_mse);
+}
+std::vector<glm::vec3> around(std::uint64_t seed) {
+    Random random(seed);
+    std::vector<glm::vec3> out(8);
+    for (glm::vec3& w : out) w = random.direction();
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("a ball of tensors covers what it stands for", "[approximation]") {
+    const Triangles ball = sphere({0, 0, 0}, 1, 64, {200, 150, 100, 255});
+    for (const int size_px : {14, 20}) check_coverage(ball, size_px, around(119));
+}
+
+TEST_CASE("a wall of tensors covers what it stands for", "[approximation]") {
+    const Triangles wall = sheet({-1, -1, 0.13f}, {2, 0, 0}, {0, 2, 0}, 64, 64, white);
+    std::vector<glm::vec3> directions;
+    for (int i = 0; i < 8; ++i) {
+        directions.push_back(glm::normalize(glm::vec3(0.3f * float(i), 0.1f * float(i), 1)));
+    }
+    for (const int size_px : {7, 14}) check_coverage(wall, size_px, directions);
+}
+
+TEST_CASE("leaves as tensors cover what they stand for", "[approximation]") {
+    for (const int size_px : {7, 14}) check_coverage(leaves(3, 0.02f, 1190), size_px, around(120));
+    for (const int size_px : {7, 14}) check_coverage(leaves(1, 0.012f, 1191), size_px, around(121));
 }

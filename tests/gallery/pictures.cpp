@@ -23,8 +23,8 @@ bool finite(const Recording& r) {
     return std::all_of(r.faces.begin(), r.faces.end(),
                        [](const Face& f) { return finite(f.lower) && finite(f.upper) && f.rgba.a > 0; }) &&
            std::all_of(r.splats.begin(), r.splats.end(), [](const Splat& s) {
-               return finite(s.center) && s.opacity >= 0 && s.opacity <= 1 && std::isfinite(s.footprint) &&
-                      s.footprint > 0;
+               return finite(s.center) && s.opacity >= 0 && s.opacity <= 1 && std::isfinite(s.size.x) &&
+                      std::isfinite(s.size.y) && s.size.x > 0 && s.size.y > 0;
            });
 }
 

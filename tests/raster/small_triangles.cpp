@@ -144,7 +144,7 @@ TEST_CASE("leaves cover what 64 samples say they do, and less noisily than one",
 TEST_CASE("through a hierarchy leaves are less than half as wrong as with one sample", "[raster]") {
     using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
     const Triangles leaves = random_triangles(20000, 212, 0.012f);
-    const Cubes h = Cubes::build<Triangle>(leaves);
+    const Cubes h = Cubes::build<Triangle>(leaves, Octree{}, ColorCube{.guesses_law = true});
     for (const double distance : {2.5, 4.0, 6.0}) {
         const View view = looking({distance, 0.4 * distance, 0.5 * distance}, {}, 96, 0.5f);
         const auto drawn = [&](const ZBufferOptions& options) {

@@ -7,6 +7,7 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/cost/measured_time.hpp"
 #include "farfield/cost/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
@@ -15,8 +16,8 @@
 namespace farfield::test {
 
 using Partitions = std::tuple<Named<Octree>, Named<SharedOctree>>;
-using Approximations =
-    std::tuple<Named<Exact>, Named<ColorCube>, Named<ColorCubeCluster<2>>, Named<ColorCubeCluster<4>>>;
+using Approximations = std::tuple<Named<Exact>, Named<ColorCube>, Named<ColorCubeCluster<2>>,
+                                  Named<ColorCubeCluster<4>>, Named<OpacityTensor>>;
 using CostModels = std::tuple<Named<TriangleCount>, Named<MeasuredTime>>;
 
 template <class... V>
@@ -29,6 +30,6 @@ using HierarchiesWith = decltype(hierarchies_of(
 /// Of every triple.
 using Hierarchies = decltype(hierarchies_of(
     variants_of(std::declval<Partitions>(), std::declval<Approximations>(), std::declval<CostModels>())));
-static_assert(std::tuple_size_v<Hierarchies> == 16, "all of today's policies compose");
+static_assert(std::tuple_size_v<Hierarchies> == 20, "all of today's policies compose");
 
 }  // namespace farfield::test

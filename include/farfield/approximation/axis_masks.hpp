@@ -18,32 +18,39 @@
 namespace farfield {
 
 /// side x side samples along each axis, at the corners of a grid: sample i lies at lower + i / side of the box's size.
-/// One bit a sample; rows run along the axis after the viewed one, in cyclic order.
+/// Rows run along the second axis after the viewed one, in cyclic order. As many, twice as far apart, along the
+/// diagonals (1, 1, 1) and (1, 1, -1) of the box: what a fit to the axes is checked against. One bit a sample.
 class AxisMasks {
   public:
     static constexpr int side = 32;
+    static constexpr int views = 5;  ///< x, y, z and the two diagonals
 
     /// Samples of `box` that a triangle covers; what lies outside of the box is not seen. Shared edges cover a sample
     /// once. Vertices are snapped to 1/256 of a sample's distance.
     void add(const Box& box, const glm::vec3 (&corners)[3]) {
         const glm::vec3 size = box.size();
-        std::int32_t at[3][3];
-        int first[3], last[3];
+        Coordinates at[3];
         for (int axis = 0; axis < 3; ++axis) {
             const float steps = size[axis] > 0 ? float(side) * 256 / size[axis] : 0.0f;
             for (int i = 0; i < 3; ++i) {
-                // Adding 1.5 * 2^23 rounds to an integer; 64 boxes away is far enough not to overflow below.
+                // Adding 1.5 * 2^23 rounds to an integer; two boxes away is far enough not to overflow below.
                 const float s = glm::clamp((corners[i][axis] - box.lower[axis]) * steps, -0x1p13f, 0x1p14f);
-                at[axis][i] = std::bit_cast<std::int32_t>(s + 12582912.0f) - 0x4b400000;
+                at[axis].at[i] = std::bit_cast<std::int32_t>(s + 12582912.0f) - 0x4b400000;
             }
-            first[axis] = std::max((std::min(std::min(at[axis][0], at[axis][1]), at[axis][2]) + 255) >> 8, 0);
-            last[axis] = std::min(std::max(std::max(at[axis][0], at[axis][1]), at[axis][2]) >> 8, side - 1);
+            at[axis].find_samples();
         }
-        for (int axis = 0; axis < 3; ++axis) {
-            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-            if (first[u] <= last[u] && first[v] <= last[v]) {
-                scan(rows_[std::size_t(axis)], at[u], at[v], first[u], last[u], first[v], last[v]);
+        for (int axis = 0; axis < 3; ++axis) scan(rows_[std::size_t(axis)], at[(axis + 1) % 3], at[(axis + 2) % 3]);
+        // Sheared along a diagonal, the box is twice as wide; coordinates are where it meets the middle of z.
+        for (int diagonal = 0; diagonal < 2; ++diagonal) {
+            Coordinates u, v;
+            for (int i = 0; i < 3; ++i) {
+                const std::int32_t z = diagonal == 0 ? side * 256 - at[2].at[i] : at[2].at[i];
+                u.at[i] = (at[0].at[i] + z) >> 1;
+                v.at[i] = (at[1].at[i] + z) >> 1;
             }
+            u.find_samples();
+            v.find_samples();
+            scan(rows_[std::size_t(3 + diagonal)], u, v);
         }
     }
 
@@ -56,23 +63,38 @@ class AxisMasks {
             const float steps = size[axis] > 0 ? float(side) / size[axis] : 0.0f;
             shift[axis] = int(std::floor((child_box.lower[axis] - box.lower[axis]) * steps + 0.5f));
         }
-        for (int axis = 0; axis < 3; ++axis) {
-            const int u = shift[(axis + 1) % 3], v = shift[(axis + 2) % 3];
+        for (int view = 0; view < views; ++view) {
+            int u = shift[(view + 1) % 3], v = shift[(view + 2) % 3];
+            if (view >= 3) {
+                // A child's z runs from its own box: half of a side lies between the two middles.
+                const int z = view == 3 ? side / 2 - shift[2] : shift[2];
+                u = (shift[0] + z) / 2;
+                v = (shift[1] + z) / 2;
+            }
             for (int row = 0; row < side / 2; ++row) {
                 const int to = row + v;
                 if (to < 0 || to >= side) continue;
-                const std::uint32_t bits = even_bits(child.rows_[std::size_t(axis)][std::size_t(2 * row)]);
-                rows_[std::size_t(axis)][std::size_t(to)] |= u >= 0 ? bits << u : bits >> -u;
+                const std::uint32_t bits = even_bits(child.rows_[std::size_t(view)][std::size_t(2 * row)]);
+                rows_[std::size_t(view)][std::size_t(to)] |= u >= 0 ? bits << u : bits >> -u;
             }
         }
     }
 
-    /// Samples covered as seen along an axis.
-    int count(int axis) const {
+    /// Samples covered in a view.
+    int count(int view) const {
         int sum = 0;
-        for (const std::uint32_t row : rows_[std::size_t(axis)]) sum += std::popcount(row);
+        for (const std::uint32_t row : rows_[std::size_t(view)]) sum += std::popcount(row);
         return sum;
     }
+
+    /// Unit vector of a view; the box is taken for a cube.
+    static glm::vec3 direction(int view) {
+        const float r = 0.57735027f;
+        const std::array<glm::vec3, views> all{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {r, r, r}, {r, r, -r}}};
+        return all[std::size_t(view)];
+    }
+    /// Area of a sample, squarely seen, in squares of the side of the box, taken for a cube.
+    static float sample_area(int view) { return view < 3 ? 1.0f / (side * side) : 4 * 0.57735027f / (side * side); }
 
   private:
     using Rows = std::array<std::uint32_t, side>;
@@ -85,9 +107,21 @@ class AxisMasks {
         return (x | x >> 8) & 0x0000ffffu;
     }
 
+    /// Of a triangle on one axis, in 1/256 of a sample's distance, and the samples between.
+    struct Coordinates {
+        std::int32_t at[3];
+        int first, last;
+        void find_samples() {
+            first = std::max((std::min(std::min(at[0], at[1]), at[2]) + 255) >> 8, 0);
+            last = std::min(std::max(std::max(at[0], at[1]), at[2]) >> 8, side - 1);
+        }
+    };
+
     /// Coordinates reach 2^14, so that twice an area stays below 2^30.
-    static void scan(Rows& rows, const std::int32_t (&u)[3], const std::int32_t (&v)[3], int first_u, int last_u,
-                     int first_v, int last_v) {
+    static void scan(Rows& rows, const Coordinates& along_u, const Coordinates& along_v) {
+        const int first_u = along_u.first, last_u = along_u.last, first_v = along_v.first, last_v = along_v.last;
+        if (first_u > last_u || first_v > last_v) return;
+        const std::int32_t(&u)[3] = along_u.at, (&v)[3] = along_v.at;
         const std::int32_t doubled_area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]);
         if (doubled_area == 0) return;
         const int k[3] = {0, doubled_area > 0 ? 1 : 2, doubled_area > 0 ? 2 : 1};
@@ -101,18 +135,38 @@ class AxisMasks {
             by_u[i] = -dv * 256;
             by_v[i] = du * 256;
         }
+        // Four samples at a step.
+        constexpr Lanes lane{0, 1, 2, 3};
+        const Lanes lanes0 = lane * by_u[0], lanes1 = lane * by_u[1], lanes2 = lane * by_u[2];
+        const std::uint32_t inside = (2u << last_u) - (1u << first_u);
         for (int row = first_v; row <= last_v; ++row) {
-            std::int32_t e0 = edge[0], e1 = edge[1], e2 = edge[2];
+            Lanes e0 = edge[0] + lanes0, e1 = edge[1] + lanes1, e2 = edge[2] + lanes2;
             std::uint32_t bits = 0;
-            for (int i = first_u; i <= last_u; ++i, e0 += by_u[0], e1 += by_u[1], e2 += by_u[2]) {
-                bits |= std::uint32_t((e0 | e1 | e2) >= 0) << i;
+            for (int i = first_u; i <= last_u; i += 4) {
+                bits |= not_negative(e0 | e1 | e2) << i;
+                e0 += by_u[0] * 4;
+                e1 += by_u[1] * 4;
+                e2 += by_u[2] * 4;
             }
-            rows[std::size_t(row)] |= bits;
+            rows[std::size_t(row)] |= bits & inside;
             for (int i = 0; i < 3; ++i) edge[i] += by_v[i];
         }
     }
 
-    std::array<Rows, 3> rows_{};
+    typedef std::int32_t Lanes __attribute__((vector_size(16)));
+
+    /// One bit a lane.
+    static std::uint32_t not_negative(Lanes v) {
+#if defined(__SSE2__)
+        typedef float Floats __attribute__((vector_size(16)));
+        return std::uint32_t(__builtin_ia32_movmskps((Floats)v)) ^ 15u;
+#else
+        return std::uint32_t(v[0] >= 0) | std::uint32_t(v[1] >= 0) << 1 | std::uint32_t(v[2] >= 0) << 2 |
+               std::uint32_t(v[3] >= 0) << 3;
+#endif
+    }
+
+    std::array<Rows, views> rows_{};
 };
 
 }  // namespace farfield

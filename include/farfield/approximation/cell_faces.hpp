@@ -77,11 +77,11 @@ inline bool is_small(glm::vec3 center, float side, const LocalView& view, float 
 
 /// Faces seen from far enough are one deposit: `footprint` is their area squarely seen, `sum` their premultiplied
 /// colors (0 to 255) weighted by it, with an alpha above 0. How much of the footprint is covered decides the law.
-inline Splat splat_of(glm::vec3 center, float footprint, glm::vec4 sum) {
+inline Splat splat_of(glm::vec3 center, float footprint, glm::vec4 sum, const LocalView& view) {
     const float alpha = sum.a / (255 * footprint);
     const AreaLaw law = law_of_opacity(alpha);
     const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / sum.a) + 0.5f, glm::vec3(255.0f));
-    return {center, footprint, alpha,
+    return {center, glm::vec2(std::sqrt(footprint * view.stretch(center))), alpha,
             Rgba8{std::uint8_t(rgb.r), std::uint8_t(rgb.g), std::uint8_t(rgb.b), std::uint8_t(law)}};
 }
 

@@ -41,15 +41,13 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     struct cell_data {
         std::uint32_t first;                 ///< in the pool; the six lists follow one another
         std::array<std::uint16_t, 6> count;  ///< of faces that look to -x, +x, -y, +y, -z, +z
-        std::uint32_t law;                   ///< an AreaLaw; without bytes that mean nothing
     };
     using draft = std::array<std::vector<pool_element>, 6>;
     static constexpr ApproximationFacts facts{.needs = needs_polygons,
                                               .stands_in = true,
                                               .has_pool = true,
                                               .bounds_error = true,
-                                              .knows_law = true,
-                                              .file_tag = 0x43430200u + K};
+                                              .file_tag = 0x43430100u + K};
 
     bool wants_all_contents(const PartitionFacts&) const { return true; }
 
@@ -91,14 +89,11 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     void merge(const Cell&, draft&, std::span<const ChildDraft<draft>>) const {}
 
     cell_data finish(const Cell&, const draft& d, std::vector<pool_element>& pool) const {
-        cell_data data{std::uint32_t(pool.size()), {}, 0};
-        std::uint64_t sum = 0, squares = 0;
+        cell_data data{std::uint32_t(pool.size()), {}};
         for (unsigned side = 0; side < 6; ++side) {
-            for (const pool_element& e : d[side]) sum += e.a, squares += std::uint64_t(e.a) * e.a;
             data.count[side] = std::uint16_t(d[side].size());
             pool.insert(pool.end(), d[side].begin(), d[side].end());
         }
-        data.law = std::uint32_t(law_of_opacity(float(squares) / (255.0f * float(std::max<std::uint64_t>(sum, 1)))));
         return data;
     }
 
@@ -121,14 +116,11 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
         return least_projected_side(cell, levels, view) / K;
     }
 
-    /// Of the faces' mean opacity, weighted by itself: as ColorCube's.
-    AreaLaw law(const cell_data& data) const { return AreaLaw(data.law); }
-
-    /// Of data read from a file: no list leaves the pool, and the law is one.
+    /// Of data read from a file: no list leaves the pool.
     bool is_sound(const cell_data& data, std::span<const pool_element> pool) const {
         std::uint64_t end = data.first;
         for (const std::uint16_t n : data.count) end += n;
-        return end <= pool.size() && data.law <= std::uint32_t(AreaLaw::coherent);
+        return end <= pool.size();
     }
 
     template <class Sink>
@@ -152,7 +144,7 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
                 const float footprint = 4 * cube.half[(int(side / 2) + 1) % 3] * cube.half[(int(side / 2) + 2) % 3] *
                                         along / std::sqrt(glm::dot(towards, towards));
                 const glm::vec4 color(float(c.r), float(c.g), float(c.b), float(c.a));
-                if (c.a != 0) sink(splat_of(cube.center, footprint, color * footprint));
+                if (c.a != 0) sink(splat_of(cube.center, footprint, color * footprint, view));
             });
         }
     }

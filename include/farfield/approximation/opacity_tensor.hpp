@@ -1,73 +1,54 @@
 // A cell as a tensor of its surfaces' areas: how much of them is seen from any direction, which six faces cannot say.
 //
 // Six opaque faces seen off their axes are too large ("the color-cube ... tends to be larger", Chamberlain et al. 1995,
-// section 5) and tear apart where each is only partly covered. The sums T = sum A n n^T over areas A with unit normals
-// n give the projected area sqrt(W w^T T w) (W = sum A) towards a unit vector w: exactly for one flat piece, and
-// rescaled to the mean of Cauchy's formula (W / 2 over all directions) within a few per cent for most else. It is the
-// form of Heitz et al. 2015 ("SGGX"). Sums are merged by adding them; only what is stored is rescaled.
+// section 5), and tear apart where each is covered in part. The sums T = sum A n n^T over areas A with unit normals n
+// give the projected area sqrt(W w^T T w) (W = sum A) towards a unit vector w: exactly for one flat piece, and rescaled
+// to the mean of Cauchy's formula (W / 2 over all directions) within a few per cent for most else. It is the form of
+// Heitz et al. 2015 ("SGGX"). Sums are merged by adding them; only what is stored is rescaled.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "farfield/approximation/axis_masks.hpp"
 #include "farfield/approximation/cell_faces.hpp"
 #include "farfield/approximation/packed_tensor.hpp"
+#include "farfield/approximation/tensor_draft.hpp"
 #include "farfield/geometry/clip_to_box.hpp"
 #include "farfield/policy.hpp"
 
 namespace farfield {
 
-/// What of a cell's contents adds up: areas, and what is weighted by them. Areas are weighted by alpha.
-struct AreaSums {
-    std::array<float, 6> tensor{};  ///< sum of A n n^T: xx, yx, zx, yy, zy, zz
-    float area = 0;
-    float opaque_area = 0;    ///< the same with every alpha 1
-    glm::vec3 normal{0};      ///< sum of A n
-    glm::vec3 along_axes{0};  ///< sum of A |n|: what is seen along each axis if nothing overlaps
-    glm::vec3 moment{0};      ///< sum of A times the centroid's distance from the cell's center
-    glm::vec3 color{0};       ///< sum of A times the mean color of both sides, or of the front if surfaces are closed
-    glm::vec3 tone{0};        ///< sum of A n times half of the luminance that the front has more than the back; if
-                              ///< surfaces are closed, times the front's
-
-    AreaSums& operator+=(const AreaSums& o) {
-        for (std::size_t i = 0; i < 6; ++i) tensor[i] += o.tensor[i];
-        area += o.area;
-        opaque_area += o.opaque_area;
-        normal += o.normal;
-        along_axes += o.along_axes;
-        moment += o.moment;
-        color += o.color;
-        tone += o.tone;
-        return *this;
-    }
-};
-
-/// One tensor a cell. 16 bytes.
+/// One tensor a cell. 16 bytes. Drawn as one deposit: an upright rectangle of the picture with an opacity.
 struct OpacityTensor {
     /// Surfaces are closed and counter-clockwise seen from outside: back sides are not counted, for something hides
     /// them. Goes with a renderer that culls back faces.
     bool closed_surfaces = false;
-    /// The part of the contents' outline that the square has in which they are strewn, unless they need more.
-    float footprint = 0.4f;
+    /// Areas that hide one another within a cell are counted once. False: for experiments.
+    bool counts_overlap = true;
+    /// Area of the rectangle in which leaves are strewn, in parts of that of a rectangle as wide and high (in the mean
+    /// square) as the contents' box. Less than 1, for contents are denser in their middle. More blurs; less shrinks
+    /// outlines.
+    float strewn_over = 0.4f;
+    /// A sheet's opacity is multiplied by it: rectangles meet but roughly, and what is too much in one place does not
+    /// make up for what is missing in another. Costs as much of the coverage of what is smaller than a cell.
+    float sheet_gain = 1.15f;
 
-    struct draft {
-        AreaSums sums;
-        Box contents = Box::empty();
-        AxisMasks masks;
-    };
+    using draft = TensorDraft;
     using cell_data = PackedTensor;
     struct pool_element {};
     static constexpr ApproximationFacts facts{
-        .needs = needs_polygons, .stands_in = true, .bounds_error = true, .file_tag = 0x4f540001u};
+        .needs = needs_polygons, .stands_in = true, .bounds_error = true, .knows_law = true, .file_tag = 0x4f540001u};
 
     /// Masks of children nest where cells are halved.
     bool wants_all_contents(const PartitionFacts& partition) const { return !partition.halves; }
@@ -75,11 +56,10 @@ struct OpacityTensor {
     template <class Contents, OrthographicSampler Sampler>
     draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
         draft d;
-        const Box bounds = cell.bounds();
-        contents([&](const Polygon& polygon) { add(d, cell, bounds, polygon, sampler); });
+        contents([&](const Polygon& polygon) { add(d, cell, polygon, sampler); });
         if constexpr (!LightsPolygons<Sampler>) {
             // Its light is known from its pictures alone.
-            const SampleGrid grid{bounds, 4, 1};
+            const SampleGrid grid{cell.bounds(), 4, 1};
             std::vector<Rgba8> out(grid.size());
             sampler.sample(grid, contents, std::span<Rgba8>(out));
             glm::vec4 sum(0);
@@ -101,8 +81,12 @@ struct OpacityTensor {
     }
 
     cell_data finish(const Cell& cell, const draft& d, std::vector<pool_element>&) const {
-        const Fit fit(*this, cell, d);
-        return fit.is_empty ? PackedTensor{} : PackedTensor(fit.shape);
+        const TensorFit fit(d, cell, closed_surfaces);
+        if (fit.is_empty()) return {};
+        TensorShape s = fit.shape(counts_overlap);
+        const TensorShape kept = PackedTensor(s).unpacked();
+        s.error = fit.held_out_error([&](glm::vec3 w) { return seen_from(kept, w).area; });
+        return PackedTensor(s);
     }
 
     Work expected_work() const { return {.splats = 1}; }
@@ -111,221 +95,188 @@ struct OpacityTensor {
         if (data == PackedTensor{}) return {.splats = std::numeric_limits<float>::infinity()};
         return expected_work();
     }
-    AreaLaw law(const cell_data& data) const { return data.law(); }
+    std::optional<AreaLaw> law(const cell_data& data) const { return data.law(); }
     bool is_sound(const cell_data& data, std::span<const pool_element>) const { return data.is_sound(); }
 
-    /// The projected side of the cell.
-    float error_px(const cell_data&, const Cell& cell, const LocalView& view) const {
-        return view.pixels(cell.largest_side(), view.distance_to(cell));
+    /// The projected side of the cell, for where in it something lies is lost, and as much again if it showed as much
+    /// too much or too little as it could: measured when it was made, from directions that nothing was fitted to. Of a
+    /// child it is never more.
+    float error_px(const cell_data& data, const Cell& cell, const LocalView& view) const {
+        return view.pixels(cell.largest_side(), view.distance_to(cell)) * (1 + data.error());
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
         return least_projected_side(cell, levels, view);
     }
 
+    /// One splat; where the renderer has none, three faces that cross.
     template <class Sink>
     void stand_in(const cell_data& data, std::span<const pool_element>, const Cell& cell, const LocalView& view,
                   Sink&& sink) const {
         const TensorShape s = data.unpacked();
-        const float unit = 2 * cell.bounds_half.x;
-        const glm::vec3 center = cell.bounds_center - cell.bounds_half + s.center * unit;
-        const glm::vec3 d = view.towards_viewer(center);
-        const glm::vec3 w = d * (1 / std::sqrt(glm::dot(d, d)));
-        const glm::vec3 u = s.seen_from(w);
-        float area = std::sqrt(glm::dot(u, u));
-        if (!(area > 0)) return;
-        float tone = glm::max(1 + glm::dot(s.tone, w) / area, 0.0f);
-        if (closed_surfaces) {
-            const float fronts = 1 + glm::clamp(glm::dot(s.facing, w) / area, -1.0f, 1.0f);
-            if (fronts < 0.04f) return;
-            tone = std::min(tone / fronts, 2.0f);
-            area *= 0.5f * fronts;
+        const float unit = tensor_unit(cell);
+        const glm::vec3 center = center_of(s, cell), towards = view.towards_viewer(center);
+        if (!(sink.splat_limit_px > 0)) {
+            for (int axis = 0; axis < 3; ++axis) {
+                const Face face = crossing_face(s, cell, axis, towards[axis] > 0);
+                if (face.rgba.a != 0) sink(face);
+            }
+            return;
         }
-        const glm::vec3 rgb = glm::min(s.rgb * tone, glm::vec3(255));
-        const glm::vec3 e = s.extent;
-        const float outline = std::abs(w.x) * e.y * e.z + std::abs(w.y) * e.z * e.x + std::abs(w.z) * e.x * e.y;
-        const float covered = outline * (1 - transmitted(1, area / outline, s.law));
-        if (!(covered > 0)) return;
-        const float square = s.law == AreaLaw::coherent ? covered : std::max(covered, footprint * outline);
-        sink(Splat{center, square * unit * unit, covered / square,
-                   Rgba8{std::uint8_t(rgb.r + 0.5f), std::uint8_t(rgb.g + 0.5f), std::uint8_t(rgb.b + 0.5f),
-                         std::uint8_t(s.law)}});
+        const float length = std::sqrt(glm::dot(towards, towards));
+        if (!(length > 0) || (view.is_perspective && !(view.depth(center) > 0))) return;
+        const Seen seen = seen_from(s, towards / length);
+        if (!(seen.area > 0)) return;
+        const glm::vec2 size = rectangle(s, center, view);
+        const float part = seen.area * view.stretch(center) / (size.x * size.y);
+        const float gain = s.law == AreaLaw::coherent ? sheet_gain : 1.0f;
+        const glm::vec3 rgb = seen.rgb + 0.5f;
+        sink(Splat{center, size * (unit * std::sqrt(std::max(part, 1.0f))), std::min(gain * part, 1.0f),
+                   Rgba8{std::uint8_t(rgb.r), std::uint8_t(rgb.g), std::uint8_t(rgb.b), std::uint8_t(s.law)}});
     }
 
+    /// Three rectangles that cross, each as opaque as the contents are along its normal: turned with an instance, their
+    /// tensors add up as all others do.
     template <class Sink>
     void polygons(const cell_data& data, std::span<const pool_element>, const Cell& cell, Sink&& sink) const {
-        (void)data, (void)cell, (void)sink;
+        const TensorShape s = data.unpacked();
+        for (int axis = 0; axis < 3; ++axis) emit_polygon(crossing_face(s, cell, axis, true), sink);
     }
 
   private:
     template <class Sampler>
-    void add(draft& d, const Cell& cell, const Box& bounds, const Polygon& polygon, const Sampler& sampler) const {
-        const bool one_color = polygon.colors.size() < polygon.vertices.size();
+    void add(draft& d, const Cell& cell, const Polygon& polygon, const Sampler& sampler) const {
+        const Box bounds = cell.bounds();
+        const std::span<const Rgba8> colors = polygon.colors;
+        const bool one_color = colors.size() < polygon.vertices.size();
         for (std::size_t i = 2; i < polygon.vertices.size(); ++i) {
             const glm::vec3 corners[3] = {polygon.vertices[0], polygon.vertices[i - 1], polygon.vertices[i]};
-            const glm::vec4 color =
-                one_color ? to_vec4(polygon.colors[0])
-                          : (to_vec4(polygon.colors[0]) + to_vec4(polygon.colors[i - 1]) + to_vec4(polygon.colors[i])) *
-                                (1.0f / 3);
-            Box box{corners[0], corners[0]};
-            box.add(corners[1]);
-            box.add(corners[2]);
-            if (bounds.contains(box.lower) && bounds.contains(box.upper)) {
-                add(d, cell, bounds, corners, polygon, color, sampler);
+            glm::vec4 color = to_vec4(colors[0]);
+            if (!one_color) color = (color + to_vec4(colors[i - 1]) + to_vec4(colors[i])) * (1.0f / 3);
+            const glm::vec3 doubled = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+            const float length = std::sqrt(glm::dot(doubled, doubled));
+            if (!(length > 0)) continue;
+            const Surface surface = lit(polygon, color, doubled / length, sampler);
+            const glm::vec3 lower = glm::min(corners[0], glm::min(corners[1], corners[2]));
+            const glm::vec3 upper = glm::max(corners[0], glm::max(corners[1], corners[2]));
+            if (bounds.contains(lower) && bounds.contains(upper)) {
+                add(d, cell, bounds, corners, 0.5f * length, surface);
                 continue;
             }
             const ClippedTriangle inside(bounds, corners);
             const std::span<const glm::vec3> left = inside.corners();
             for (std::size_t k = 2; k < left.size(); ++k) {
                 const glm::vec3 part[3] = {left[0], left[k - 1], left[k]};
-                add(d, cell, bounds, part, polygon, color, sampler);
+                const glm::vec3 n = glm::cross(part[1] - part[0], part[2] - part[0]);
+                add(d, cell, bounds, part, 0.5f * std::sqrt(glm::dot(n, n)), surface);
             }
         }
     }
 
+    struct Surface {
+        glm::vec3 normal;
+        float alpha;
+        glm::vec3 rgb;  ///< 0 to 255, what goes into AreaSums::color
+        float tone;     ///< likewise
+    };
     template <class Sampler>
-    void add(draft& d, const Cell& cell, const Box& bounds, const glm::vec3 (&corners)[3], const Polygon& polygon,
-             glm::vec4 color, const Sampler& sampler) const {
-        const glm::vec3 doubled = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-        const float length = std::sqrt(glm::dot(doubled, doubled));
-        if (!(length > 0)) return;
-        const glm::vec3 n = doubled / length;
-        const float opaque_area = 0.5f * length, area = opaque_area * color.a;
-        for (const glm::vec3 p : corners) d.contents.add(p);
-        d.masks.add(bounds, corners);
-        AreaSums& s = d.sums;
-        s.tensor[0] += area * n.x * n.x;
-        s.tensor[1] += area * n.y * n.x;
-        s.tensor[2] += area * n.z * n.x;
-        s.tensor[3] += area * n.y * n.y;
-        s.tensor[4] += area * n.z * n.y;
-        s.tensor[5] += area * n.z * n.z;
-        s.area += area;
-        s.opaque_area += opaque_area;
-        s.normal += area * n;
-        s.along_axes += area * glm::abs(n);
-        s.moment +=
-            area * ((corners[0] - cell.center) + (corners[1] - cell.center) + (corners[2] - cell.center)) * (1.0f / 3);
+    Surface lit(const Polygon& polygon, glm::vec4 color, glm::vec3 normal, const Sampler& sampler) const {
         float front = 1, back = 1;
         if constexpr (LightsPolygons<Sampler>) {
-            front = sampler.brightness(polygon, n);
-            back = closed_surfaces ? front : sampler.brightness(polygon, -n);
+            front = sampler.brightness(polygon, normal);
+            if (!closed_surfaces) back = sampler.brightness(polygon, -normal);
         }
         const glm::vec3 rgb = glm::vec3(color) * 255.0f;
-        s.color += area * (0.5f * (front + back)) * rgb;
-        s.tone += area * (closed_surfaces ? front : 0.5f * (front - back)) * luminance(rgb) * n;
+        if (closed_surfaces) return {normal, color.a, front * rgb, front * luminance(rgb)};
+        return {normal, color.a, 0.5f * (front + back) * rgb, 0.5f * (front - back) * luminance(rgb)};
     }
 
-    static float luminance(glm::vec3 rgb) { return glm::dot(rgb, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
+    static void add(draft& d, const Cell& cell, const Box& bounds, const glm::vec3 (&corners)[3], float opaque_area,
+                    const Surface& surface) {
+        for (const glm::vec3 p : corners) d.contents.add(p);
+        d.masks.add(bounds, corners);
+        const glm::vec3 n = surface.normal;
+        const float area = opaque_area * surface.alpha;
+        AreaSums& s = d.sums;
+        const glm::vec3 weighted = area * n;
+        s.tensor[0] += weighted.x * n.x;
+        s.tensor[1] += weighted.y * n.x;
+        s.tensor[2] += weighted.z * n.x;
+        s.tensor[3] += weighted.y * n.y;
+        s.tensor[4] += weighted.z * n.y;
+        s.tensor[5] += weighted.z * n.z;
+        s.area += area;
+        s.opaque_area += opaque_area;
+        s.normal += weighted;
+        s.along_axes += glm::abs(weighted);
+        const glm::vec3 from_center =
+            (corners[0] - cell.center) + (corners[1] - cell.center) + (corners[2] - cell.center);
+        s.moment += (area / 3) * from_center;
+        s.color += area * surface.rgb;
+        s.tone += surface.tone * weighted;
+    }
 
-    /// From sums to what is stored.
-    struct Fit {
-        TensorShape shape;
-        bool is_empty = true;
-
-        Fit(const OpacityTensor& options, const Cell& cell, const draft& d) {
-            const AreaSums& sums = d.sums;
-            const float unit = 2 * cell.bounds_half.x;
-            if (!(sums.area > 0) || !(unit > 0)) return;
-            is_empty = false;
-            const glm::vec3 size = d.contents.size() * (1 / unit);
-            shape.extent = glm::clamp(size, 1.0f / 32, 1.0f);
-            shape.center = (cell.center + sums.moment / sums.area - (cell.bounds_center - cell.bounds_half)) / unit;
-            shape.rgb = sums.color / sums.area;
-            const float per_unit = 1 / (unit * unit);
-            const float area = sums.area * per_unit, alpha = sums.area / sums.opaque_area;
-            const glm::vec3 seen = sums.along_axes * (per_unit * (options.closed_surfaces ? 0.5f : 1.0f));
-            constexpr float sample = 1.0f / (AxisMasks::side * AxisMasks::side);
-            glm::vec3 outline, covered;
-            for (int axis = 0; axis < 3; ++axis) {
-                outline[axis] = shape.extent[(axis + 1) % 3] * shape.extent[(axis + 2) % 3];
-                covered[axis] = float(d.masks.count(axis)) * sample * alpha;
-            }
-            shape.law = law_of(seen, outline, covered);
-            glm::vec3 kept;
-            for (int axis = 0; axis < 3; ++axis) {
-                const float opacity = std::min(covered[axis] / outline[axis], 1 - 0.5f * sample / outline[axis]);
-                const float fitting = area_of(opacity, shape.law) * outline[axis];
-                constexpr float prior = 4 * sample;
-                kept[axis] = std::min((fitting + prior) / (seen[axis] + prior), 1.25f);
-                if (shape.law == AreaLaw::coherent && opacity > 0.9f) kept[axis] = std::max(kept[axis], 1.0f);
-            }
-            std::array<float, 6> t = sums.tensor;
-            for (float& v : t) v *= per_unit * area;
-            const float cauchy = 0.5f * area / mean_area(root_of(t));
-            const std::array<int, 6> row{0, 1, 2, 1, 2, 2}, column{0, 0, 0, 1, 1, 2};
-            for (std::size_t i = 0; i < 6; ++i) t[i] *= cauchy * cauchy * kept[row[i]] * kept[column[i]];
-            shape.root = root_of(t);
-            if (options.closed_surfaces) shape.facing = sums.normal * per_unit * kept;
-            if (luminance(shape.rgb) > 0) shape.tone = sums.tone * (per_unit / luminance(shape.rgb)) * kept;
-        }
-
-        /// That which tells best what the masks saw, where there is enough to tell.
-        static AreaLaw law_of(glm::vec3 seen, glm::vec3 outline, glm::vec3 covered) {
-            AreaLaw best = AreaLaw::independent;
-            float least = std::numeric_limits<float>::infinity();
-            for (const AreaLaw law : {AreaLaw::independent, AreaLaw::mixed, AreaLaw::coherent}) {
-                float sum = 0;
-                for (int axis = 0; axis < 3; ++axis) {
-                    const float off =
-                        1 - transmitted(1, seen[axis] / outline[axis], law) - covered[axis] / outline[axis];
-                    sum += outline[axis] * off * off;
-                }
-                if (sum < least) {
-                    least = sum;
-                    best = law;
-                }
-            }
-            return best;
-        }
-
-        /// What leaves 1 - opacity by a law.
-        static float area_of(float opacity, AreaLaw law) {
-            switch (law) {
-                case AreaLaw::coherent:
-                    return opacity;
-                case AreaLaw::mixed:
-                    return -2 * std::log(1 - 0.5f * opacity);
-                case AreaLaw::independent:
-                    return -std::log(1 - opacity);
-            }
-            return opacity;
-        }
-
-        /// Cholesky: L L^T of a tensor that may be singular.
-        static std::array<float, 6> root_of(const std::array<float, 6>& t) {
-            std::array<float, 6> l{};
-            l[0] = std::sqrt(std::max(t[0], 0.0f));
-            if (l[0] > 0) l[1] = t[1] / l[0], l[2] = t[2] / l[0];
-            // A pivot that is rounding is none.
-            const auto pivot = [](float rest, float of) { return rest > 1e-5f * of ? std::sqrt(rest) : 0.0f; };
-            l[3] = pivot(t[3] - l[1] * l[1], t[3]);
-            if (l[3] > 0) l[4] = (t[4] - l[2] * l[1]) / l[3];
-            l[5] = pivot(t[5] - l[2] * l[2] - l[4] * l[4], t[5]);
-            return l;
-        }
-
-        /// Over all directions.
-        static float mean_area(const std::array<float, 6>& root) {
-            constexpr int count = 64;
-            static const auto directions = [] {
-                std::array<glm::vec3, count> all;
-                for (int i = 0; i < count; ++i) {
-                    const float z = (float(i) + 0.5f) / count, r = std::sqrt(1 - z * z);
-                    const float turn = 2.39996323f * float(i);
-                    all[std::size_t(i)] = {r * std::cos(turn), r * std::sin(turn), z};
-                }
-                return all;
-            }();
-            TensorShape shape;
-            shape.root = root;
-            float sum = 0;
-            for (const glm::vec3 w : directions) {
-                const glm::vec3 u = shape.seen_from(w);
-                sum += std::sqrt(glm::dot(u, u));
-            }
-            return sum * (1.0f / count);
-        }
+    struct Seen {
+        float area;     ///< covered, each place once; in squares of the bounds' side
+        glm::vec3 rgb;  ///< 0 to 255
     };
+    Seen seen_from(const TensorShape& s, glm::vec3 w) const {
+        float area = s.area_seen_from(w);
+        if (!(area > 0)) return {0, s.rgb};
+        float tone = std::max(1 + glm::dot(s.tone, w) / area, 0.0f);
+        if (closed_surfaces) {
+            const float fronts = 1 + glm::clamp(glm::dot(s.facing, w) / area, -1.0f, 1.0f);
+            if (fronts < 0.04f) return {0, s.rgb};
+            tone = std::min(tone / fronts, 2.0f);
+            area *= 0.5f * fronts;
+        }
+        const glm::vec3 e = s.extent;
+        const float outline = std::abs(w.x) * e.y * e.z + std::abs(w.y) * e.z * e.x + std::abs(w.z) * e.x * e.y;
+        if (counts_overlap) area = outline * (1 - transmitted(1, area / outline, s.law));
+        return {area, glm::min(s.rgb * tone, glm::vec3(255))};
+    }
+
+    /// Width and height in the picture, in sides of the bounds.
+    glm::vec2 rectangle(const TensorShape& s, glm::vec3 center, const LocalView& view) const {
+        glm::vec3 right = view.right, up = view.up;
+        if (view.is_perspective) {  // what lies deeper is nearer to the vanishing point
+            const glm::vec3 d = center - view.eye;
+            const float inverse = 1 / glm::dot(d, view.forward);
+            right -= view.forward * (glm::dot(d, view.right) * inverse);
+            up -= view.forward * (glm::dot(d, view.up) * inverse);
+        }
+        if (s.law != AreaLaw::coherent) {
+            right *= s.extent;
+            up *= s.extent;
+            return glm::sqrt(strewn_over * glm::vec2(glm::dot(right, right), glm::dot(up, up)));
+        }
+        // In a flat sheet the coordinate in which it is steepest follows from the others: it is not as large as its
+        // box.
+        const glm::vec3 n = s.sheet_normal(), steep = glm::abs(n);
+        const int k = steep.x >= steep.y && steep.x >= steep.z ? 0 : steep.y >= steep.z ? 1 : 2;
+        if (n[k] != 0) {
+            right -= n * (right[k] / n[k]);
+            up -= n * (up[k] / n[k]);
+        }
+        const glm::vec2 size(glm::dot(glm::abs(right), s.extent), glm::dot(glm::abs(up), s.extent));
+        return glm::max(size, 0x1p-8f);  // edge-on
+    }
+
+    static glm::vec3 center_of(const TensorShape& s, const Cell& cell) {
+        return cell.bounds_center - cell.bounds_half + s.center * tensor_unit(cell);
+    }
+
+    Face crossing_face(const TensorShape& s, const Cell& cell, int axis, bool looks_up) const {
+        const glm::vec3 center = center_of(s, cell), half = s.extent * (0.5f * tensor_unit(cell));
+        glm::vec3 w(0);
+        w[axis] = looks_up ? 1.0f : -1.0f;
+        const Seen seen = seen_from(s, w);
+        const float outline = s.extent[(axis + 1) % 3] * s.extent[(axis + 2) % 3];
+        const float alpha = std::min(seen.area / outline, 1.0f);
+        Face face{center - half, center + half, to_rgba8(glm::vec4(seen.rgb * (alpha / 255), alpha)),
+                  std::uint8_t(2 * axis + (looks_up ? 1 : 0))};
+        face.lower[axis] = face.upper[axis] = center[axis];
+        return face;
+    }
 };
 
 }  // namespace farfield

@@ -30,9 +30,20 @@ struct TensorShape {
     float error = 0;      ///< 0 to 1
     AreaLaw law = AreaLaw::independent;
 
-    /// Transposed: its length is the area seen from w.
-    glm::vec3 seen_from(glm::vec3 w) const {
-        return {root[0] * w.x + root[1] * w.y + root[2] * w.z, root[3] * w.y + root[4] * w.z, root[5] * w.z};
+    /// Projected, if nothing hides anything; w is a unit vector.
+    float area_seen_from(glm::vec3 w) const {
+        const glm::vec3 u(root[0] * w.x + root[1] * w.y + root[2] * w.z, root[3] * w.y + root[4] * w.z, root[5] * w.z);
+        return std::sqrt(glm::dot(u, u));
+    }
+
+    /// Any length; 0 unless nine tenths of the surfaces lie in one direction.
+    glm::vec3 sheet_normal() const {
+        const float first = root[0] * root[0] + root[1] * root[1] + root[2] * root[2];
+        const float second = root[3] * root[3] + root[4] * root[4], third = root[5] * root[5];
+        const float most = 0.9f * (first + second + third);
+        if (first > most) return {root[0], root[1], root[2]};
+        if (second > most) return {0, root[3], root[4]};
+        return {0, 0, third > most ? root[5] : 0.0f};
     }
 };
 
@@ -49,7 +60,7 @@ class PackedTensor {
         const float scale = scale_of(std::uint32_t(kept));
         Bits first{first_}, second{second_};
         for (const float v : shape.root) first.put(6, signed_bits(v / scale, 31));
-        for (int axis = 0; axis < 3; ++axis) first.put(5, nearest(shape.center[axis] * 32 - 0.5f, 31));
+        for (int axis = 0; axis < 3; ++axis) first.put(5, nearest(shape.center[axis] * 32, 31));
         for (int axis = 0; axis < 3; ++axis) first.put(4, nearest(shape.extent[axis] * 16 - 1, 15));
         for (int axis = 0; axis < 3; ++axis) second.put(5, signed_bits(shape.facing[axis] / scale, 15));
         for (int axis = 0; axis < 3; ++axis) second.put(5, signed_bits(shape.tone[axis] / scale, 15));
@@ -72,7 +83,7 @@ class PackedTensor {
         };
         const auto take_signed = [&](unsigned count) { return float(std::int32_t(take(count)) - (1 << (count - 1))); };
         for (float& v : s.root) v = take_signed(6);
-        for (int axis = 0; axis < 3; ++axis) s.center[axis] = (float(take(5)) + 0.5f) * (1.0f / 32);
+        for (int axis = 0; axis < 3; ++axis) s.center[axis] = float(take(5)) * (1.0f / 32);
         for (int axis = 0; axis < 3; ++axis) s.extent[axis] = float(take(4) + 1) * (1.0f / 16);
         const std::uint32_t low = take(1);
         bits = second_;

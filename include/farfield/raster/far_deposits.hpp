@@ -1,10 +1,9 @@
 // Faces and splats of the far field as deposits into samples.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "farfield/geometry/area_law.hpp"
@@ -36,25 +35,17 @@ class FarDeposits {
         add(polygon, face.rgba);
     }
 
-    /// A square of the footprint's area about the cell's center, each sample's share by overlap.
+    /// Each sample gets its share by overlap.
     void add(const Splat& splat) {
         const glm::vec3 p = to_.project(splat.center);
         if (!(p.z > to_.near_depth)) return;
         const float inverse = to_.inverse_w(p.z), q = to_.q(p.z, inverse);
         const float x = (p.x * inverse + to_.offset_x) * (1.0f / 256),
                     y = (p.y * inverse + to_.offset_y) * (1.0f / 256);
-        // Seen under an angle, a squarely projected area is stretched: focal^2 distance / depth^3 (solid angle to
-        // image).
-        float samples_per_area = to_.focal * to_.focal;
-        if (to_.is_perspective) {
-            const glm::vec3 d = splat.center - to_.eye;
-            samples_per_area *= std::sqrt(glm::dot(d, d)) * inverse * inverse * inverse;
-        }
-        const float footprint = splat.footprint * samples_per_area;
-        const float half = 0.5f * std::sqrt(footprint);
+        const glm::vec2 half = splat.size * (0.5f * to_.focal * inverse);
         const Loss loss = loss_of_opacity(splat.opacity, AreaLaw(splat.rgb.a));
         const glm::vec3 rgb = glm::vec3(float(splat.rgb.r), float(splat.rgb.g), float(splat.rgb.b)) * (1 / 255.0f);
-        buffers_.deposit_square(x - half, y - half, x + half, y + half, q, loss, rgb);
+        buffers_.deposit_square(x - half.x, y - half.y, x + half.x, y + half.y, q, loss, rgb);
     }
 
   private:

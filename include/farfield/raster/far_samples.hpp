@@ -97,6 +97,23 @@ class FarSamples {
         any_closed_ |= closed;
     }
 
+    /// The same of something no larger than a lane: all of it goes into the lane that its center lies in. `rgb()` is
+    /// asked only if that changes anything.
+    template <class Color>
+    void deposit_in_lane(const float* depth, float x, float y, float area, float q, Loss loss, Color&& rgb) {
+        if (!(x >= 0 && y >= 0 && x < float(width_) && y < float(height_))) return;
+        const int i = int(x), j = int(y);
+        const Row row = row_of(depth, j);
+        if (!is_touched_by(row, i, q)) return;
+        if (i < rect_.x0 || j < rect_.y0 || i >= rect_.x1 || j >= rect_.y1) rect_.add(i, j, i + 1, j + 1);
+        const int column = int((x - float(i)) * float(lanes::side)), line = int((y - float(j)) * float(lanes::side));
+        if (!one_lane_at_a_time::into_lane(row.samples[i], line * lanes::side + column, area * float(lanes::count),
+                                           loss, rgb()))
+            return;
+        row.bits[i >> 6].open &= ~(std::uint64_t(1) << (i & 63));
+        any_closed_ = true;
+    }
+
     /// Of a rectangle inside the picture, ends included.
     bool all_closed(int x0, int y0, int x1, int y1) const {
         if (!any_closed_) return false;
@@ -166,20 +183,27 @@ class FarSamples {
     /// True if it closed the sample.
     bool into(const Row& row, int x, float q, const native_lanes::Deposit& deposit,
               const native_lanes::Columns& columns, const native_lanes::Rows& rows) {
+        if (!is_touched_by(row, x, q)) return false;
+        const bool closes = deposit.into(row.samples[x], columns, rows);
+        if (closes) row.bits[x >> 6].open &= ~(std::uint64_t(1) << (x & 63));
+        return closes;
+    }
+
+    /// Whether a deposit changes a sample, which then is one deposited into; closes it where geometry is nearer.
+    bool is_touched_by(const Row& row, int x, float q) {
         const std::uint64_t bit = std::uint64_t(1) << (x & 63);
         Bits& bits = row.bits[x >> 6];
         if ((bits.open & bit) == 0) return false;
         if (q <= row.depth[x]) {
             bits.open &= ~bit;
-            return true;
+            any_closed_ = true;
+            return false;
         }
         if ((bits.touched & bit) == 0) {
             bits.touched |= bit;
             first_deposit_[row.first + std::size_t(x)] = q;
         }
-        const bool closes = deposit.into(row.samples[x], columns, rows);
-        if (closes) bits.open &= ~bit;
-        return closes;
+        return true;
     }
 
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }

@@ -63,6 +63,12 @@ class SampleBuffers {
         far_.deposit_square(depth_.data(), left - x0, top - y0, right - x0, bottom - y0, q, loss, rgb);
     }
 
+    /// As FarSamples::deposit_in_lane.
+    template <class Color>
+    void deposit_in_lane(float x, float y, float area, float q, Loss loss, Color&& rgb) {
+        far_.deposit_in_lane(depth_.data(), x - float(first_x_), y - float(first_y_), area, q, loss, rgb);
+    }
+
     /// Can nothing as far as q or farther change any sample of a rectangle (ends included), because it is closed or its
     /// geometry is nearer? May err towards no; true of a rectangle that holds no sample.
     bool all_settled(int x0, int y0, int x1, int y1, float q) {

@@ -109,6 +109,23 @@ class Deposit {
     glm::vec3 rgb_;
 };
 
+/// Into a single lane, `part` of which is covered (at most all of it).
+inline bool into_lane(FarSample& s, int lane, float part, Loss loss, glm::vec3 rgb) {
+    const auto before = float(s.lane[lane]);
+    const float taken_here =
+        std::min((loss.relative * before + loss.absolute * float(lanes::one)) * std::min(part, 1.0f), before);
+    const int left = int(before - taken_here + 0.5f);
+    s.lane[lane] = std::uint16_t(left);
+    float taken = (before - float(left)) * (1.0f / float(lanes::count * lanes::one));
+    const bool closes = s.transmittance - taken < closed_transmittance;
+    if (closes) taken = s.transmittance;
+    s.r += taken * rgb.r;
+    s.g += taken * rgb.g;
+    s.b += taken * rgb.b;
+    s.transmittance -= taken;
+    return closes;
+}
+
 }  // namespace one_lane_at_a_time
 
 #if defined(__SSE2__)

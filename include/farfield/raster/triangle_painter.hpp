@@ -68,19 +68,21 @@ class TrianglePainter {
     /// mean of its corners' colors. `opaque` is what its law takes where it covers all and lets nothing through.
     void deposit(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane, bool front, Loss opaque) {
         const Rgba8* colors = stream_.colors(triangle);
-        glm::vec3 rgb = channels(colors[0]);
-        auto alpha = float(colors[0].a);
-        if (stream_.several_colors()) {
-            rgb = (rgb + channels(colors[1]) + channels(colors[2])) * (1.0f / 3);
-            alpha = (alpha + float(colors[1].a) + float(colors[2].a)) * (1.0f / 3);
-        }
+        const bool several = stream_.several_colors();
+        const int alpha = several ? (colors[0].a + colors[1].a + colors[2].a) / 3 : colors[0].a;
         if (alpha == 0) return;
-        const float brightness = light_ ? light_->brightness(normal(triangle, front)) : 1.0f;
-        const float x = triaged.center_x[lane], y = triaged.center_y[lane];
-        const float half = 0.5f * std::sqrt(triaged.area[lane]), part = alpha * (1.0f / 255);
-        buffers_.deposit_square(x - half, y - half, x + half, y + half, triaged.center_q[lane],
-                                {part * opaque.relative, part * opaque.absolute},
-                                glm::min(rgb * (brightness * (1.0f / 255)), glm::vec3(1)));
+        const auto rgb = [&] {
+            glm::vec3 sum = channels(colors[0]);
+            if (several) sum = (sum + channels(colors[1]) + channels(colors[2])) * (1.0f / 3);
+            const float brightness = light_ ? light_->brightness(normal(triangle, front)) : 1.0f;
+            return glm::min(sum * (brightness * (1.0f / 255)), glm::vec3(1));
+        };
+        const float x = triaged.center_x[lane], y = triaged.center_y[lane], q = triaged.center_q[lane];
+        const float area = triaged.area[lane], part = float(alpha) * (1.0f / 255);
+        const Loss loss{part * opaque.relative, part * opaque.absolute};
+        if (area * float(lanes::count) <= 1) return buffers_.deposit_in_lane(x, y, area, q, loss, rgb);
+        const float half = 0.5f * std::sqrt(area);
+        buffers_.deposit_square(x - half, y - half, x + half, y + half, q, loss, rgb());
     }
 
   private:
