@@ -94,7 +94,7 @@ class Calibration {
         }
         if constexpr (R::facts.draws_splats) {
             prices.splat = stand_in + far_field_price<Splat>([](glm::vec3 p) {
-                               return Splat{p, 1.0f, 0.5f, Rgba8{60, 60, 60, std::uint8_t(AreaLaw::mixed)}};
+                               return Splat{p, glm::vec2(1), 0.5f, Rgba8{60, 60, 60, std::uint8_t(AreaLaw::mixed)}};
                            });
         }
         return prices;

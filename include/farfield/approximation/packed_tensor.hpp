@@ -55,7 +55,7 @@ class PackedTensor {
     explicit PackedTensor(const TensorShape& shape) {
         float largest = 0;
         for (const float v : shape.root) largest = std::max(largest, std::abs(v));
-        const float exponent = std::round((std::log2(std::max(largest, 1e-30f)) + octaves_below) * steps_an_octave);
+        const float exponent = std::ceil((std::log2(std::max(largest, 1e-30f)) + octaves_below) * steps_an_octave);
         const float kept = glm::clamp(exponent, 0.0f, 511.0f);
         const float scale = scale_of(std::uint32_t(kept));
         Bits first{first_}, second{second_};
@@ -75,29 +75,24 @@ class PackedTensor {
 
     TensorShape unpacked() const {
         TensorShape s;
-        std::uint64_t bits = first_;
-        const auto take = [&](unsigned count) {
-            const auto v = std::uint32_t(bits & ((1u << count) - 1));
-            bits >>= count;
-            return v;
+        // Each from its own place, so that none waits for another.
+        const auto bits = [](std::uint64_t word, unsigned at, unsigned count) {
+            return std::int32_t(word >> at & ((1u << count) - 1));
         };
-        const auto take_signed = [&](unsigned count) { return float(std::int32_t(take(count)) - (1 << (count - 1))); };
-        for (float& v : s.root) v = take_signed(6);
-        for (int axis = 0; axis < 3; ++axis) s.center[axis] = float(take(5)) * (1.0f / 32);
-        for (int axis = 0; axis < 3; ++axis) s.extent[axis] = float(take(4) + 1) * (1.0f / 16);
-        const std::uint32_t low = take(1);
-        bits = second_;
-        for (int axis = 0; axis < 3; ++axis) s.facing[axis] = take_signed(5);
-        for (int axis = 0; axis < 3; ++axis) s.tone[axis] = take_signed(5);
-        s.rgb.r = float(take(5)) * (255.0f / 31);
-        s.rgb.g = float(take(6)) * (255.0f / 63);
-        s.rgb.b = float(take(5)) * (255.0f / 31);
-        const float scale = scale_of(take(8) << 1 | low);
-        for (float& v : s.root) v *= scale * (1.0f / 31);
-        s.facing *= scale * (1.0f / 15);
-        s.tone *= scale * (1.0f / 15);
-        s.law = AreaLaw(take(2));
-        s.error = float(take(8)) * (1.0f / 255);
+        const float scale = scale_of(std::uint32_t(bits(second_, 46, 8)) << 1 | std::uint32_t(bits(first_, 63, 1)));
+        const float root_step = scale * (1.0f / 31), step = scale * (1.0f / 15);
+        for (unsigned i = 0; i < 6; ++i) s.root[i] = float(bits(first_, 6 * i, 6) - 32) * root_step;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto i = unsigned(axis);
+            s.center[axis] = float(bits(first_, 36 + 5 * i, 5)) * (1.0f / 32);
+            s.extent[axis] = float(bits(first_, 51 + 4 * i, 4) + 1) * (1.0f / 16);
+            s.facing[axis] = float(bits(second_, 5 * i, 5) - 16) * step;
+            s.tone[axis] = float(bits(second_, 15 + 5 * i, 5) - 16) * step;
+        }
+        s.rgb = glm::vec3(float(bits(second_, 30, 5)) * (255.0f / 31), float(bits(second_, 35, 6)) * (255.0f / 63),
+                          float(bits(second_, 41, 5)) * (255.0f / 31));
+        s.law = law();
+        s.error = error();
         return s;
     }
 
@@ -108,15 +103,14 @@ class PackedTensor {
     friend bool operator==(const PackedTensor&, const PackedTensor&) = default;
 
   private:
-    /// 2^-22 to 2^10 in steps of 4 %: areas are off by 2 % at most, and as often too large as too small.
+    /// 2^-22 to 2^10 in steps of 4 %; the next larger one, so that nothing is cut off.
     static constexpr float octaves_below = 22, steps_an_octave = 16;
 
     static float scale_of(std::uint32_t exponent) {
-        static const auto fractions = [] {
-            std::array<float, 16> table;
-            for (int i = 0; i < 16; ++i) table[std::size_t(i)] = std::exp2(float(i) / steps_an_octave);
-            return table;
-        }();
+        // Powers of two: multiples of a sixteenth.
+        static constexpr std::array<float, 16> fractions{
+            1.0f,        1.04427378f, 1.09050773f, 1.13878863f, 1.18920712f, 1.24185781f, 1.29683955f, 1.35425555f,
+            1.41421356f, 1.47682615f, 1.54221083f, 1.61049033f, 1.68179283f, 1.75625216f, 1.83400809f, 1.91520656f};
         return fractions[exponent & 15] * std::bit_cast<float>((127u - 22u + (exponent >> 4)) << 23);
     }
     static std::uint32_t nearest(float v, float most) { return std::uint32_t(glm::clamp(v + 0.5f, 0.0f, most + 0.5f)); }

@@ -68,7 +68,9 @@ class TensorFit {
         const float per_unit = 1 / unit_, alpha = sums_.area / sums_.opaque_area;
         // Not thinner than can be stored.
         extent_ = glm::clamp(draft.contents.size() * per_unit, 1.0f / 16, 1.0f);
-        seen_ = sums_.along_axes * per_unit * per_unit * (closed_surfaces ? 0.5f : 1.0f);
+        // Of closed surfaces what is seen from that end which shows more.
+        seen_ = closed_surfaces ? 0.5f * (sums_.along_axes + glm::abs(sums_.normal)) : sums_.along_axes;
+        seen_ = seen_ * per_unit * per_unit;
         const glm::vec3 step = cell.bounds_half * (2 * per_unit / float(AxisMasks::side));
         for (int axis = 0; axis < 3; ++axis) {
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -124,18 +126,25 @@ class TensorFit {
         return sum / float(held_out_.size());
     }
 
-    /// The law by which the areas cover what the masks saw.
+    /// What is flat is coherent. Of the rest the law by which the areas cover what the masks saw; where samples are too
+    /// few to tell, things are strewn: what is strewn and called a sheet thickens.
     AreaLaw fitting_law() const {
+        TensorShape shape;
+        for (std::size_t i = 0; i < 6; ++i) shape.root[i] = sums_.tensor[i] / sums_.area;
+        shape.root = root_of(shape.root);
+        if (shape.sheet_normal() != glm::vec3(0)) return AreaLaw::coherent;
         AreaLaw best = AreaLaw::independent;
         float least = std::numeric_limits<float>::infinity();
         for (const AreaLaw law : {AreaLaw::independent, AreaLaw::mixed, AreaLaw::coherent}) {
             float sum = 0;
             for (int axis = 0; axis < 3; ++axis) {
-                const float expected = 1 - transmitted(1, seen_[axis] / outline_[axis], law);
-                const float off = expected - covered_[axis] / outline_[axis];
-                sum += outline_[axis] * off * off;
+                const float part = covered_[axis] / outline_[axis];
+                const float off = 1 - transmitted(1, seen_[axis] / outline_[axis], law) - part;
+                // The variance of samples, some three hundred in a cell's outline.
+                const float chance = law == AreaLaw::independent ? 0.0f : 0.003f * part * std::max(1 - part, 0.0f);
+                sum += outline_[axis] * (off * off + chance);
             }
-            if (sum < least) {
+            if (sum <= least) {  // of equals the one that closes: what is covered many times
                 least = sum;
                 best = law;
             }
@@ -159,11 +168,11 @@ class TensorFit {
 
     /// |L^T w| over all directions.
     static float mean_area(const std::array<float, 6>& root) {
-        constexpr int count = 64;
-        static const auto directions = [] {  // of half a sphere: a Fibonacci lattice
+        constexpr int count = 96;
+        static const auto directions = [] {  // a Fibonacci lattice
             std::array<glm::vec3, count> all;
             for (int i = 0; i < count; ++i) {
-                const float z = (float(i) + 0.5f) / float(count), r = std::sqrt(1 - z * z);
+                const float z = 1 - (2 * float(i) + 1) / float(count), r = std::sqrt(1 - z * z);
                 const float turn = 2 * std::numbers::pi_v<float> * float(i) / std::numbers::phi_v<float>;
                 all[std::size_t(i)] = {r * std::cos(turn), r * std::sin(turn), z};
             }
