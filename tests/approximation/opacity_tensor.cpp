@@ -202,7 +202,7 @@ TEST_CASE("leaves cover what is seen between them", "[approximation]") {
             const double exact = exactly_covered(triangles, w);
             INFO("fill " << fill << ", exactly " << exact);
             // Askew a box is thinner at its rim than in its middle, of which one opacity does not know.
-            CHECK(double(covered_from(data, cell, w)) == Approx(exact).epsilon(i < 3 ? 0.06 : 0.12));
+            CHECK(double(covered_from(data, cell, w)) == Approx(exact).epsilon(i < 3 ? 0.07 : 0.12));
         }
     }
 }

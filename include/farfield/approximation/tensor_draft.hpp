@@ -194,7 +194,10 @@ class TensorFit {
             const float opacity = std::min(covered_[axis] / outline_[axis], 1 - 0.5f * sample_[axis] / outline_[axis]);
             const float fitting = area_of(opacity, law) * outline_[axis];
             const float prior = sample_[axis];  // point samples of little are noise
-            kept[axis] = std::min((fitting + prior) / (seen_[axis] + prior), 1.25f);
+            // More than there is means too few samples. Leaves may have it, for others have less; a sheet that stays
+            // too small is closed by its gain.
+            const float most = law == AreaLaw::coherent && !closed_surfaces_ ? 1.0f : 1.25f;
+            kept[axis] = std::min((fitting + prior) / (seen_[axis] + prior), most);
             // What is more than enough from here may be just enough from elsewhere: a blind's slats.
             if (law == AreaLaw::coherent && opacity > 0.9f) kept[axis] = std::max(kept[axis], 1.0f);
         }

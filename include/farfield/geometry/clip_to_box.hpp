@@ -25,7 +25,7 @@ class ClippedTriangle {
 
   private:
     void cut(int axis, float at, float sign) {
-        std::array<glm::vec3, 9> kept;
+        std::array<glm::vec3, 9> kept{};
         std::size_t kept_count = 0;
         for (std::size_t i = 0; i < count_; ++i) {
             const glm::vec3 a = corners_[i], b = corners_[i + 1 < count_ ? i + 1 : 0];
