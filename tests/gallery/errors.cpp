@@ -32,7 +32,7 @@ TEST_CASE("gallery: error falls as tolerance falls, to none at all") {
                 INFO(subject.name << ": " << variant.name << ", from " << glm::length(view.camera.eye)
                                   << ", errors at 4 to 0.25 pixels: " << errors[0] << " " << errors[1] << " "
                                   << errors[2]);
-                if (!is_known_to_lose(variant, subject)) {
+                if (!is_known_to_lose(variant, subject) && !is_known_to_alternate(variant, subject)) {
                     for (std::size_t i = 1; i < errors.size(); ++i) {
                         CHECK(errors[i] <= 1.05 * errors[i - 1] + 0.5 / 255);
                     }
@@ -43,6 +43,24 @@ TEST_CASE("gallery: error falls as tolerance falls, to none at all") {
         }
     }
     CHECK(stand_ins > 10'000);
+}
+
+TEST_CASE("gallery: tensors over slats may be worse with cells of one pixel than of four, as they are known to be") {
+    const ZBufferOptions finest{.samples = 64};
+    int worse = 0;
+    for (const Subject& subject : subjects(8000, {0.5f})) {
+        for (const test::Variant& variant : all_variants()) {
+            if (!is_known_to_alternate(variant, subject)) continue;
+            const View view = subject.view(10, 32, 0);
+            const Image exact = plain_picture<Triangle>(subject.triangles, view, finest);
+            const auto h = variant.build(subject.triangles);
+            const double fine = rms_difference(h->picture(subject.view(10, 32, 1), finest), exact),
+                         coarse = rms_difference(h->picture(subject.view(10, 32, 4), finest), exact);
+            worse += fine > 1.05 * coarse + 0.5 / 255;
+            CHECK(fine < 0.1);
+        }
+    }
+    CHECK(worse > 0);
 }
 
 TEST_CASE("gallery: clusters that lose twigs find them again too thick, as they are known to") {

@@ -449,7 +449,8 @@ TEST_CASE("one frame after the other is as good as each by a renderer of its own
         std::vector<Splat> splats;
         std::vector<Face> faces;
         for (int i = 0; i < (frame % 3 == 0 ? 0 : 40); ++i) {
-            splats.push_back({random.in_cube(1), 1e-3f, 0.8f, {200, 100, 50, std::uint8_t(random.below(3))}});
+            splats.push_back(
+                {random.in_cube(1), glm::vec2(0.03f), 0.8f, {200, 100, 50, std::uint8_t(random.below(3))}});
             const glm::vec3 low = random.in_cube(1);
             faces.push_back({low, low + glm::vec3(0.2f, 0.2f, 0), {100, 100, 20, 120}, std::uint8_t(5)});
         }
