@@ -17,7 +17,7 @@
 #include "farfield/partition/octree.hpp"
 #include "farfield/raster/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
-#include "support/seconds.hpp"
+#include "seconds.hpp"
 #if __has_include("farfield/approximation/opacity_tensor.hpp")
 #include "farfield/approximation/opacity_tensor.hpp"
 #endif

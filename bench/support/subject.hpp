@@ -14,7 +14,7 @@
 #include "farfield/viewer.hpp"
 #include "scenes/catalog.hpp"
 #include "scenes/scene.hpp"
-#include "support/seconds.hpp"
+#include "seconds.hpp"
 
 namespace farfield::bench {
 

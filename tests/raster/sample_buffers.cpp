@@ -37,7 +37,16 @@ struct Canvas {
         const Range all{0, source.item_count};
         renderer.draw(source, std::span<const Range>(&all, 1));
     }
-    void draw(const Splat& s) { renderer.draw(std::span<const Splat>(&s, 1)); }
+    /// A splat that is a square of this area when seen squarely.
+    struct Squarely {
+        glm::vec3 center;
+        float area, opacity;
+        Rgba8 rgb;
+    };
+    void draw(const Squarely& s) {
+        const Splat splat{s.center, glm::vec2(std::sqrt(s.area * view.stretch(s.center))), s.opacity, s.rgb};
+        renderer.draw(std::span<const Splat>(&splat, 1));
+    }
     void draw(const Face& f) { renderer.draw(std::span<const Face>(&f, 1)); }
     const Image& done() {
         renderer.end_frame();

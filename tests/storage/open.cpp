@@ -160,7 +160,7 @@ TEST_CASE("files of other policies, versions and machines say so") {
     CHECK(refused<SharedOctreeOfCubes>(directory / "h") ==
           "was saved with another partition: expected 0x4f430001 (OC), found 0x4f430002 (OC)");
     CHECK(refused<ExactOctree>(directory / "h") ==
-          "was saved with another approximation: expected 0x45580001 (EX), found 0x43430002 (CC)");
+          "was saved with another approximation: expected 0x45580001 (EX), found 0x43430003 (CC)");
     CHECK(refused<SpatialHierarchy<Octree, ColorCube, MeasuredTime>>(directory / "h") ==
           "was saved with another cost model: expected 0x4d540001 (MT), found 0x54430001 (TC)");
 

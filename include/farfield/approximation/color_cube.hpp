@@ -51,7 +51,7 @@ struct ColorCube {
                                               .bounds_error = true,
                                               .compares = true,
                                               .knows_law = true,
-                                              .file_tag = 0x43430002u};
+                                              .file_tag = 0x43430003u};
 
     bool wants_all_contents(const PartitionFacts& partition) const {
         // Four over four is a rule for octants; cells of other partitions are always drawn.
