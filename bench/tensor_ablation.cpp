@@ -90,7 +90,7 @@ void by_one_law(const OpacityTensor& tensor, TensorShape& s) {
 }
 
 void without_tone(const OpacityTensor&, TensorShape& s) {
-    s.tone = glm::vec3(0);
+    s.tone = s.facing;  // of closed surfaces; as luminance times area does it change with the area
 }
 
 /// Squares of the rectangles' areas.
