@@ -33,6 +33,7 @@
 #include "farfield/raster/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/random.hpp"
+#include "support/coverage.hpp"
 #include "support/variants.hpp"
 
 namespace farfield::bench {
@@ -83,26 +84,10 @@ struct Subject {
 using Measure = void (*)(benchmark::State&, const Subject&, Drawn&);
 using Path = std::vector<View> (*)(const scenes::GalleryScene&);
 
-/// Pixels.
-double coverage(const Image& image) {
-    double sum = 0;
-    for (const Rgba8 c : image.pixels()) sum += c.a;
-    return sum / 255;
-}
-
 // ---- tearing
 
 std::vector<View> views_of_tearing(const scenes::GalleryScene& scene) {
     return {view_from(glm::dvec3(scene.towards_viewer) * 12.0, 256, 0)};
-}
-
-bool is_inside(const Image& reference, int x, int y) {
-    for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-            if (reference.at(x + dx, y + dy).a != 255) return false;
-        }
-    }
-    return true;
 }
 
 void tearing(benchmark::State& state, const Subject& subject, Drawn& drawn) {
@@ -110,18 +95,9 @@ void tearing(benchmark::State& state, const Subject& subject, Drawn& drawn) {
     for (const auto& [tolerance, name] : {std::pair{1.0f, "1px"}, std::pair{coarse_px, "4px"}}) {
         View view = subject.views[0];
         view.tolerance_px = tolerance;
-        const Image& image = drawn.picture(view);
-        double inside = 0, torn = 0, leak = 0;
-        for (int y = 1; y + 1 < image.height(); ++y) {
-            for (int x = 1; x + 1 < image.width(); ++x) {
-                if (!is_inside(reference, x, y)) continue;
-                ++inside;
-                torn += image.at(x, y).a < 128;
-                leak += 1 - image.at(x, y).a / 255.0;
-            }
-        }
-        state.counters[std::string("torn_") + name] = torn / inside;
-        state.counters[std::string("leak_") + name] = leak / inside;
+        const Tearing t = tearing_of(drawn.picture(view), reference);
+        state.counters[std::string("torn_") + name] = t.torn / t.inside;
+        state.counters[std::string("leak_") + name] = t.leak;
     }
 }
 
