@@ -101,7 +101,8 @@ Triangles leaves(float fill, float side, std::uint64_t seed) {
     Random random(seed);
     Triangles out;
     for (int i = int(fill * 8 / (side * side)); i > 0; --i) {
-        append(out, square(random.in_cube(1 - side), random.direction(), side, 1));
+        const glm::vec3 center = random.in_cube(1 - side);  // arguments are evaluated in any order
+        append(out, square(center, random.direction(), side, 1));
     }
     return out;
 }
@@ -192,18 +193,29 @@ TEST_CASE("a flat piece of any direction covers what is seen of it", "[approxima
 
 TEST_CASE("leaves cover what is seen between them", "[approximation]") {
     Random random(103);
+    const Cell cell = unit_cell();
     for (const float fill : {0.1f, 0.5f, 1.0f, 2.0f}) {
-        const Triangles triangles = leaves(fill, 0.05f, 1030);
-        const Cell cell = unit_cell();
-        const PackedTensor data = data_of(cell, triangles);
-        CHECK(data.law() == AreaLaw::independent);
-        for (int i = 0; i < 9; ++i) {
-            const glm::vec3 w = i < 3 ? glm::vec3(i == 0, i == 1, i == 2) : random.direction();
-            const double exact = exactly_covered(triangles, w);
-            INFO("fill " << fill << ", exactly " << exact);
-            // Askew a box is thinner at its rim than in its middle, of which one opacity does not know.
-            CHECK(double(covered_from(data, cell, w)) == Approx(exact).epsilon(i < 3 ? 0.07 : 0.12));
+        // Of one cell masks see some 250 samples: where a tenth is covered, give or take a fifth. In the mean nothing.
+        double along_axes = 0, askew = 0, part = 0;
+        const int cells = 12;
+        for (int i = 0; i < cells; ++i) {
+            const Triangles triangles = leaves(fill, 0.05f, std::uint64_t(1030 + i));
+            const PackedTensor data = data_of(cell, triangles);
+            CHECK(data.law() != AreaLaw::coherent);
+            for (int axis = 0; axis < 2; ++axis) {
+                const glm::vec3 along(axis == i % 2, axis != i % 2, 0), w = random.direction();
+                const double exact = exactly_covered(triangles, along);
+                along_axes += double(covered_from(data, cell, along)) / exact - 1;
+                askew += double(covered_from(data, cell, w)) / exactly_covered(triangles, w) - 1;
+                part += exact / 4;
+            }
         }
+        const int count = 2 * cells;
+        part /= count;
+        const double chance = std::sqrt((1 - part) / part / 250 / count);
+        INFO("fill " << fill << ", part " << part);
+        CHECK(std::abs(along_axes / count) <= 0.05 + 2.5 * chance);
+        CHECK(std::abs(askew / count) <= 0.05 + 2.5 * chance);
     }
 }
 
