@@ -47,7 +47,7 @@ struct TensorShape {
     }
 };
 
-/// The root of the tensor and not the tensor is quantized: an error of 1/126 is one of the area seen, not of its
+/// The root of the tensor and not the tensor is quantized: an error of 1/62 is one of the area seen, not of its
 /// square, so that a sheet stays thin seen edge-on.
 class PackedTensor {
   public:
@@ -56,7 +56,7 @@ class PackedTensor {
         float largest = 0;
         for (const float v : shape.root) largest = std::max(largest, std::abs(v));
         const float exponent = std::ceil((std::log2(std::max(largest, 1e-30f)) + octaves_below) * steps_an_octave);
-        const float kept = glm::clamp(exponent, 0.0f, 511.0f);
+        const float kept = std::min(std::max(0.0f, exponent), 511.0f);
         const float scale = scale_of(std::uint32_t(kept));
         Bits first{first_}, second{second_};
         for (const float v : shape.root) first.put(6, signed_bits(v / scale, 31));
@@ -70,7 +70,7 @@ class PackedTensor {
         first.put(1, std::uint32_t(kept) & 1);
         second.put(8, std::uint32_t(kept) >> 1);
         second.put(2, std::uint32_t(shape.law));
-        second.put(8, std::uint32_t(std::ceil(glm::clamp(shape.error, 0.0f, 1.0f) * 255)));
+        second.put(8, std::uint32_t(std::ceil(std::min(std::max(0.0f, shape.error), 1.0f) * 255)));
     }
 
     TensorShape unpacked() const {
@@ -113,10 +113,14 @@ class PackedTensor {
             1.41421356f, 1.47682615f, 1.54221083f, 1.61049033f, 1.68179283f, 1.75625216f, 1.83400809f, 1.91520656f};
         return fractions[exponent & 15] * std::bit_cast<float>((127u - 22u + (exponent >> 4)) << 23);
     }
-    static std::uint32_t nearest(float v, float most) { return std::uint32_t(glm::clamp(v + 0.5f, 0.0f, most + 0.5f)); }
+    // In this order of arguments the limit is taken for what is no number.
+    static std::uint32_t nearest(float v, float most) {
+        return std::uint32_t(std::min(std::max(0.0f, v + 0.5f), most + 0.5f));
+    }
     /// -1 to 1, offset so that it is not negative.
     static std::uint32_t signed_bits(float v, float most) {
-        return std::uint32_t(std::int32_t(std::round(glm::clamp(v, -1.0f, 1.0f) * most)) + std::int32_t(most) + 1);
+        const float kept = std::min(std::max(-1.0f, v), 1.0f);
+        return std::uint32_t(std::int32_t(std::round(kept * most)) + std::int32_t(most) + 1);
     }
 
     struct Bits {

@@ -84,8 +84,10 @@ class TensorFit {
         }
     }
 
-    /// Nothing has an area.
-    bool is_empty() const { return !(sums_.area > 0 && unit_ > 0); }
+    /// Nothing has an area that single precision can tell from 0, or from infinity.
+    bool is_empty() const {
+        return !(sums_.area >= std::numeric_limits<float>::min() && std::isfinite(sums_.area) && unit_ > 0);
+    }
 
     /// `counts_overlap`: what hides something along an axis and what it hides are counted once. Not of empty ones.
     TensorShape shape(bool counts_overlap) const {
