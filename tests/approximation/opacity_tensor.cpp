@@ -731,3 +731,48 @@ TEST_CASE("leaves as tensors cover what they stand for", "[approximation]") {
     for (const int size_px : {7, 14}) check_coverage(leaves(3, 0.02f, 1190), size_px, around(120));
     for (const int size_px : {7, 14}) check_coverage(leaves(1, 0.012f, 1191), size_px, around(121));
 }
+
+TEST_CASE(
+    "what is stored of the error is little for a sheet, more for a rod along a diagonal, and never falls downwards",
+    "[approximation]") {
+    const Cell cell = unit_cell();
+    const float of_sheet = data_of(cell, square({0, 0, 0}, {0, 0, 1}, 1.9f)).error();
+    CHECK(of_sheet < 0.05f);
+    // Its box is all of the cell, seen along the rod nothing is there.
+    Triangles rod;
+    for (int i = 0; i < 400; ++i) {
+        const glm::vec3 at(-0.9f + 1.8f * float(i) / 399);
+        for (const glm::vec3 n : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}) {
+            append(rod, square(at, n, 0.2f, 1));
+        }
+    }
+    CHECK(data_of(cell, rod).error() > of_sheet + 0.01f);
+
+    const Triangles triangles = random_triangles(20000, 120, 0.02f);
+    const auto h = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>::build<Triangle>(triangles);
+    const View view = looking({0, 0, 9});
+    const LocalView local(view, h.origin(), 4);
+    std::size_t pairs = 0, falling = 0, without = 0;
+    const auto visit = [&](auto&& self, std::uint32_t index, const Cell& at, const PackedTensor* data) -> void {
+        const Node& node = h.nodes()[index];
+        std::uint32_t rank = 0, data_rank = 0;
+        for (unsigned child = 0; child < 8; ++child) {
+            if ((node.child_mask >> child & 1) == 0) continue;
+            const PackedTensor* below = nullptr;
+            if (node.stand_in_mask >> child & 1) below = &h.stand_ins()[node.first_child_data + data_rank++];
+            const Cell child_cell = h.partition_policy().child(at, {}, child);
+            if (data && below) {
+                ++pairs;
+                without += below->error() == 0;
+                falling += data->error() * 2 + 2 < below->error() + 1;
+                CHECK(h.approximation_policy().least_error_px(at, 1, local) <=
+                      h.approximation_policy().error_px(*below, child_cell, local));
+            }
+            self(self, node.first_child + rank++, child_cell, below);
+        }
+    };
+    visit(visit, 0, h.root_cell(), h.root_stand_in());
+    CHECK(pairs > 500);
+    CHECK(falling == 0);
+    CHECK(without < pairs / 10);
+}

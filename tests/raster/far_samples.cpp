@@ -424,3 +424,46 @@ TEST_CASE("clearing leaves nothing of a frame", "[raster]") {
         }
     }
 }
+
+TEST_CASE("what is no larger than a lane goes into the one its center lies in, all of it", "[raster]") {
+    Random random(71);
+    for (const AreaLaw law : laws) {
+        const int width = 6, height = 5;
+        Canvas canvas(width, height);
+        Model model(width, height);
+        int asked = 0;
+        for (int i = 0; i < 3000; ++i) {
+            const float x = random.between(-1, float(width) + 1), y = random.between(-1, float(height) + 1);
+            const float area = random.unit() / lanes::count, alpha = random.unit();
+            const Loss loss = loss_of_opacity(alpha, law);
+            canvas.far.deposit_in_lane(canvas.depth.data(), x, y, area, 1, loss, [&] {
+                ++asked;
+                return glm::vec3(0, 1, 0);
+            });
+            if (!(x >= 0 && y >= 0 && x < float(width) && y < float(height))) continue;
+            if (model.transmittance(int(x), int(y)) < double(closed_transmittance)) continue;
+            double& left = model.lane(int(x * lanes::side), int(y * lanes::side));
+            left = std::max(
+                0.0, left - double(area) * lanes::count * (left * double(loss.relative) + double(loss.absolute)));
+        }
+        double off = 0;
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                const FarSamples::Sample got = canvas.at(x, y);
+                off = std::max(off, std::abs(double(got.transmittance) - model.transmittance(x, y)));
+                CHECK(std::abs(got.g + got.transmittance - 1) < 1e-4f);
+            }
+        }
+        CHECK(off < 1.0 / 500);
+        CHECK(asked > 500);
+    }
+    // Behind geometry, beyond the picture, or nowhere: nothing.
+    Canvas canvas(2, 2);
+    std::fill(canvas.depth.begin(), canvas.depth.end(), 2.0f);
+    for (const float x : {0.5f, -1.0f, 7.0f, std::numeric_limits<float>::quiet_NaN()}) {
+        canvas.far.deposit_in_lane(canvas.depth.data(), x, 0.5f, 0.05f, 1, {0, 1}, [] { return glm::vec3(1); });
+    }
+    CHECK(canvas.taken() == 0);
+    CHECK_FALSE(canvas.far.is_open(0, 0));
+    CHECK(canvas.far.is_open(1, 1));
+}
