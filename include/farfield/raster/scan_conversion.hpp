@@ -47,10 +47,10 @@ struct DepthPlane {
     }
     /// Distances to the first corner are small where the triangle is: no cancellation against the screen's origin.
     float row(int y) const { return at_corner + by_y * (float(y) + base_y_); }
-    float at(float row, int x) const {
-        const float q = row + by_x * (float(x) + base_x_);
-        return q < lowest ? lowest : q > highest ? highest : q;
-    }
+    /// at(row, x) is row + column(x), kept inside.
+    float column(int x) const { return by_x * (float(x) + base_x_); }
+    float inside(float q) const { return q < lowest ? lowest : q > highest ? highest : q; }
+    float at(float row, int x) const { return inside(row + column(x)); }
 
   private:
     float base_x_ = 0, base_y_ = 0;

@@ -37,7 +37,8 @@ struct TriageMasks {
     unsigned front;  ///< of the small: counter-clockwise on the screen
 };
 
-enum class Simd : std::uint8_t { automatic, scalar, four_lanes, eight_lanes };
+/// More lanes than a kernel or the processor has mean the most that there are.
+enum class Simd : std::uint8_t { automatic, scalar, four_lanes, eight_lanes, sixteen_lanes };
 
 /// Adding it rounds any float below 2^22 to the nearest integer, and leaves that in the low bits.
 inline constexpr float snap_rounder = 12582912.0f;

@@ -1,0 +1,158 @@
+// Hierarchical polygon tiling: Warnock subdivision driven by masks (Greene 1996, sections 3.1, 4.3 and listing 1), and
+// lazy z-buffering on top of it (6.1).
+//
+// The same source is compiled for no, four, eight and sixteen lanes; the widest that the processor has is taken at run
+// time. All give the same masks, and so the same picture.
+#pragma once
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "farfield/coverage/coverage_pyramid.hpp"
+#include "farfield/coverage/lazy_depth.hpp"
+#include "farfield/coverage/mask_samples.hpp"
+#include "farfield/coverage/surface.hpp"
+#include "farfield/coverage/triage_mask.hpp"
+#include "farfield/raster/triangle_triage.hpp"
+
+namespace farfield {
+
+/// In which order polygons come.
+enum class CoverageOrder : std::uint8_t {
+    strict,  ///< front to back: what is covered stays as it is
+    lazy,    ///< any; nearly front to back costs little more than that
+};
+
+/// Cells of the pyramid visited in a frame, masks of samples included; samples are not counted.
+struct CoverageWork {
+    std::uint64_t polygons_tiled = 0;   ///< that were neither hidden by their bounding box nor without a sample
+    std::uint64_t cells_tiled = 0;      ///< visited for polygons
+    std::uint64_t cells_asked = 0;      ///< visited for questions whether a box is hidden
+    std::uint64_t masks_z_buffered = 0; ///< where polygons did not come front to back
+};
+
+/// What polygons are tiled into. `Samples` takes what is seen, as mask_samples.hpp says.
+template <CoverageOrder order, class Samples>
+struct CoverageTarget {
+    using samples_type = Samples;
+    static constexpr bool is_lazy = order == CoverageOrder::lazy;
+    struct Nothing {
+        void begin(const CoveragePyramid&) {}
+    };
+
+    CoveragePyramid pyramid;
+    Samples samples;
+    std::conditional_t<is_lazy, LazyDepth, Nothing> lazy;
+    CoverageWork work;
+    int first_x = 0, first_y = 0;  ///< the first sample, relative to the center sample
+
+    void begin(int width_px, int height_px, int first_sample_x, int first_sample_y) {
+        pyramid.begin(width_px * Samples::samples_a_side, height_px * Samples::samples_a_side);
+        samples.begin(width_px, height_px);
+        lazy.begin(pyramid);
+        work = {};
+        first_x = first_sample_x;
+        first_y = first_sample_y;
+    }
+
+    /// After all samples have come.
+    void resolve(Image& image) {
+        if constexpr (is_lazy) {
+            const auto columns = std::size_t(pyramid.columns(1));
+            for (const std::size_t at : lazy.deep_places()) {
+                const std::size_t index = at / 64;
+                const int x = int(index % columns), y = int(index / columns);
+                samples.replace({index, x, y, 64 * x + first_x, 64 * y + first_y}, unsigned(at % 64),
+                                lazy.deep(at));
+            }
+        }
+        samples.resolve(image);
+    }
+};
+
+#define FARFIELD_LANES 1
+namespace one_lane {
+#include "farfield/coverage/mask_kernel.inl"
+#include "farfield/coverage/coverage_tiler.inl"
+}  // namespace one_lane
+#undef FARFIELD_LANES
+
+#if defined(__x86_64__)
+#define FARFIELD_LANES 4
+namespace four_lanes {
+#include "farfield/coverage/mask_kernel.inl"
+#include "farfield/coverage/coverage_tiler.inl"
+}  // namespace four_lanes
+#undef FARFIELD_LANES
+
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2,bmi,bmi2,lzcnt,popcnt")
+#endif
+#define FARFIELD_LANES 8
+namespace eight_lanes {
+#include "farfield/coverage/mask_kernel.inl"
+#include "farfield/coverage/coverage_tiler.inl"
+}  // namespace eight_lanes
+#undef FARFIELD_LANES
+#if defined(__clang__)
+#pragma clang attribute pop
+#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi,bmi2,lzcnt,popcnt"))), \
+                             apply_to = function)
+#else
+#pragma GCC pop_options
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi,bmi2,lzcnt,popcnt")
+#endif
+#define FARFIELD_LANES 16
+namespace sixteen_lanes {
+#include "farfield/coverage/mask_kernel.inl"
+#include "farfield/coverage/coverage_tiler.inl"
+}  // namespace sixteen_lanes
+#undef FARFIELD_LANES
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif
+
+/// The tiler for one target, as functions of one instruction set.
+template <class Target>
+struct CoverageTiler {
+    /// Tiles what is seen of a polygon; false: nothing was.
+    bool (*tile)(Target&, const TilePolygon&);
+    /// Whether tiling it would change anything, were it as near as q everywhere: "stopping if a visible sample is
+    /// found" (section 5.2). A polygon grown by this many 1/256 samples.
+    bool (*is_seen)(Target&, const TilePolygon&, float q, int grown_by);
+
+    explicit CoverageTiler(Simd simd) : tile(&one_lane::tile<Target>), is_seen(&one_lane::is_seen<Target>) {
+#if defined(__x86_64__)
+        const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2");
+        const bool has_avx512 = has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                                __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+        if (simd == Simd::scalar) return;
+        tile = &four_lanes::tile<Target>, is_seen = &four_lanes::is_seen<Target>;
+        if (simd == Simd::four_lanes || !has_avx2) return;
+        tile = &eight_lanes::tile<Target>, is_seen = &eight_lanes::is_seen<Target>;
+        if (simd == Simd::eight_lanes || !has_avx512) return;
+        tile = &sixteen_lanes::tile<Target>, is_seen = &sixteen_lanes::is_seen<Target>;
+#else
+        static_cast<void>(simd);
+#endif
+    }
+};
+
+}  // namespace farfield

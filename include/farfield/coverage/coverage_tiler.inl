@@ -1,0 +1,633 @@
+// Listing 1 of Greene 1996, once for each instruction set: see coverage_tiler.hpp. No include guard; expects
+// mask_kernel.inl before it and to stand inside a namespace of its own.
+//
+// An edge is an integer function E(i, j) = e + 256 (a i + b j) of samples, 0 or more inside, e at the first sample of
+// the cell in question. Of a subcell of s x s samples, E is least and greatest in corners: with low = min(a, 0) +
+// min(b, 0), it is covered iff e + 256 s (a i + b j) + 256 (s - 1) low >= 0, which is (a i + b j) + base >= 0 with base
+// rounded down. So the 64 numbers a i + b j serve every level, and a mask is one comparison of them with a base. That
+// is exact, where the paper's table of edges quantized to 64 intervals a side is not.
+
+template <class Target>
+class Tiler {
+  public:
+    Tiler(Target& target, const TilePolygon& polygon, int grown_by = 0)
+        : target_(target), pyramid_(target.pyramid), polygon_(polygon), surface_(polygon.surface), nearest_q_(polygon.surface.depth.highest) {
+        // Samples i with 256 i + 128 inside [lowest, highest].
+        std::int32_t low_x = polygon.x[0], high_x = low_x, low_y = polygon.y[0], high_y = low_y;
+        for (int c = 1; c < polygon.corners; ++c) {
+            low_x = std::min(low_x, polygon.x[std::size_t(c)]);
+            high_x = std::max(high_x, polygon.x[std::size_t(c)]);
+            low_y = std::min(low_y, polygon.y[std::size_t(c)]);
+            high_y = std::max(high_y, polygon.y[std::size_t(c)]);
+        }
+        x0_ = std::max(((low_x - grown_by + 127) >> 8) - target.first_x, 0);
+        y0_ = std::max(((low_y - grown_by + 127) >> 8) - target.first_y, 0);
+        x1_ = std::min(((high_x + grown_by - 128) >> 8) - target.first_x, pyramid_.width_samples() - 1);
+        y1_ = std::min(((high_y + grown_by - 128) >> 8) - target.first_y, pyramid_.height_samples() - 1);
+    }
+
+    bool tile() {
+        if (!choose_cells()) return false;
+        ++target_.work.polygons_tiled;
+        prepare_edges(0);
+        if constexpr (is_lazy) index_ = target_.lazy.add(surface_);
+        bool drew = false;
+        for (int c = 0; c < cell_count_; ++c) {
+            const Start& s = cells_[std::size_t(c)];
+            if constexpr (is_lazy) {
+                if (s.level == pyramid_.top_level()) push_down(s.level, s.x, s.y);
+            }
+            const Edges edges = edges_at(s.level, s.x, s.y);
+            if (!(s.level == 1 ? tile_block(s.x, s.y, edges) : tile_cell(s.level, s.x, s.y, edges))) continue;
+            tell_parents(s.level, s.x, s.y);
+            drew = true;
+        }
+        if constexpr (is_lazy) {
+            if (!drew) target_.lazy.forget_last_surface();
+        }
+        return drew;
+    }
+
+    bool is_seen(float q, int grown_by) {
+        nearest_q_ = q;
+        if (!choose_cells()) return false;
+        if constexpr (is_lazy) asked_q_.q.fill(q);
+        prepare_edges(grown_by);
+        for (int c = 0; c < cell_count_; ++c) {
+            const Start& s = cells_[std::size_t(c)];
+            if (sees_cell(s.level, s.x, s.y, edges_at(s.level, s.x, s.y))) return true;
+        }
+        return false;
+    }
+
+  private:
+    static constexpr bool is_lazy = Target::is_lazy;
+    static constexpr int most_edges = TilePolygon::most_corners;
+
+    /// Those that cross a cell, and their values at its first sample.
+    struct Edges {
+        int count = 0;
+        std::array<std::uint8_t, most_edges> edge;
+        std::array<std::int64_t, most_edges> e;
+    };
+    struct Triage {
+        std::uint64_t covered = all_subcells;   ///< by the polygon: samples all inside
+        std::uint64_t possible = all_subcells;  ///< not wholly outside of one edge
+        Edges edges;                            ///< that cross the cell, and the subcells that they cross
+        std::array<std::uint64_t, most_edges> crossed;
+    };
+    struct Start {
+        int level, x, y;
+    };
+
+    static std::uint64_t bit_of(unsigned k) { return std::uint64_t(1) << k; }
+    std::int32_t low(unsigned edge) const { return std::min(a_[edge], 0) + std::min(b_[edge], 0); }
+    std::int32_t high(unsigned edge) const { return std::max(a_[edge], 0) + std::max(b_[edge], 0); }
+
+    // --- where to begin
+
+    /// "We first determine whether its bounding box is visible. If this procedure fails to prove that the polygon is
+    /// hidden, we then tile it into the smallest enclosing cell" (section 4.3): here the smallest cells of which two by
+    /// two enclose it, so that lying on a large cell's border costs nothing. False: hidden, or no sample in its box.
+    bool choose_cells() {
+        if (x0_ > x1_ || y0_ > y1_) return false;
+        int level = 1;
+        while ((x1_ >> 3 * (level + 1)) - (x0_ >> 3 * (level + 1)) > 1 ||
+               (y1_ >> 3 * (level + 1)) - (y0_ >> 3 * (level + 1)) > 1) {
+            ++level;
+        }
+        level = std::min(level, pyramid_.top_level());
+        while (true) {
+            cell_count_ = 0;
+            int wanted = level;
+            const int shift = 3 * (level + 1);
+            for (int y = y0_ >> shift; y <= y1_ >> shift; ++y) {
+                for (int x = x0_ >> shift; x <= x1_ >> shift; ++x) wanted = std::max(wanted, choose_cell(level, x, y));
+            }
+            if (wanted == level) return cell_count_ != 0;
+            level = wanted;
+        }
+    }
+
+    /// Returns the level to begin at instead, if that is another.
+    int choose_cell(int level, int x, int y) {
+        // A parent covered all at once has not told the cells below.
+        for (int up = level + 1, px = x, py = y; up <= pyramid_.top_level(); ++up, px >>= 3, py >>= 3) {
+            const std::size_t parent = pyramid_.index(up, px >> 3, py >> 3);
+            const auto k = unsigned((py & 7) * 8 + (px & 7));
+            if ((pyramid_[parent].covered & bit_of(k)) == 0) continue;
+            if constexpr (is_lazy) {
+                if (!(nearest_q_ < target_.lazy.farthest(parent).q[k])) return up;
+            }
+            return level;
+        }
+        const std::size_t cell = pyramid_.index(level, x, y);
+        std::uint64_t hidden = pyramid_[cell].covered;
+        if constexpr (is_lazy) {
+            if (hidden != 0 && !pyramid_.is_untouched(cell)) hidden &= behind_at(cell, nearest_q_);
+        }
+        if ((box_in(level, x, y) & ~hidden) != 0) cells_[std::size_t(cell_count_++)] = {level, x, y};
+        return level;
+    }
+
+    /// Subcells that the bounding box touches.
+    std::uint64_t box_in(int level, int x, int y) const {
+        const int shift = 3 * level;
+        const int x0 = std::max((x0_ >> shift) - 8 * x, 0), x1 = std::min((x1_ >> shift) - 8 * x, 7);
+        const int y0 = std::max((y0_ >> shift) - 8 * y, 0), y1 = std::min((y1_ >> shift) - 8 * y, 7);
+        return x0 > x1 || y0 > y1 ? no_subcells : subcells_of_rect(x0, y0, x1, y1);
+    }
+
+    // --- edges
+
+    void prepare_edges(int grown_by) {
+        for (int c = 0; c < polygon_.corners; ++c) {
+            const auto from = std::size_t(c), to = std::size_t(c + 1 < polygon_.corners ? c + 1 : 0);
+            const std::int32_t dx = polygon_.x[to] - polygon_.x[from], dy = polygon_.y[to] - polygon_.y[from];
+            if (dx == 0 && dy == 0) continue;
+            const auto n = std::size_t(edge_count_++);
+            a_[n] = -dy;
+            b_[n] = dx;
+            // Samples on an edge belong to the polygon that has it at its top or left (raster/scan_conversion.hpp).
+            const int bias = dy < 0 || (dy == 0 && dx > 0) ? 0 : -1;
+            e_[n] = std::int64_t(dx) * (256 * std::int64_t(target_.first_y) + 128 - polygon_.y[from]) -
+                    std::int64_t(dy) * (256 * std::int64_t(target_.first_x) + 128 - polygon_.x[from]) + bias +
+                    std::int64_t(grown_by) * (std::abs(dx) + std::abs(dy));
+            MaskKernel::tabulate(a_[n], b_[n], values_[n]);
+        }
+    }
+
+    Edges edges_at(int level, int x, int y) const {
+        // Where an edge of a huge polygon passes a small cell far away, its value only has to stay far from 0.
+        const std::int64_t limit = std::int64_t(1) << (28 + 8 + 3 * level);
+        Edges edges;
+        edges.count = edge_count_;
+        for (int n = 0; n < edge_count_; ++n) {
+            const auto at = std::size_t(n);
+            const std::int64_t e = e_[at] + ((std::int64_t(a_[at]) * x + std::int64_t(b_[at]) * y) << (8 + 3 * (level + 1)));
+            edges.edge[at] = std::uint8_t(n);
+            edges.e[at] = std::clamp(e, -limit, limit);
+        }
+        return edges;
+    }
+
+    /// The edges that cross subcell k, at its first sample.
+    Edges edges_in(const Triage& t, unsigned k, int level) const {
+        Edges edges;
+        for (int n = 0; n < t.edges.count; ++n) {
+            if ((t.crossed[std::size_t(n)] >> k & 1) == 0) continue;
+            const std::uint8_t edge = t.edges.edge[std::size_t(n)];
+            edges.edge[std::size_t(edges.count)] = edge;
+            edges.e[std::size_t(edges.count++)] = t.edges.e[std::size_t(n)] + (std::int64_t(values_[edge][k]) << (8 + 3 * level));
+        }
+        return edges;
+    }
+
+    /// The polygon's mask in a cell; false: it lies outside. "Composite the edge masks" (section 3, operation 1).
+    bool triage(int level, const Edges& in, Triage& out) const {
+        const int shift = 8 + 3 * level;
+        const std::int64_t reach = (std::int64_t(256) << (3 * level)) - 256;
+        for (int n = 0; n < in.count; ++n) {
+            const std::uint8_t edge = in.edge[std::size_t(n)];
+            const std::int64_t e = in.e[std::size_t(n)];
+            const auto most = std::int32_t((e + reach * high(edge)) >> shift);
+            const std::uint64_t possible = MaskKernel::greater(values_[edge], ~most);
+            if (possible == 0) return false;
+            const auto least = std::int32_t((e + reach * low(edge)) >> shift);
+            const std::uint64_t covered = MaskKernel::greater(values_[edge], ~least);
+            out.possible &= possible;
+            if (covered == all_subcells) continue;
+            out.covered &= covered;
+            const auto at = std::size_t(out.edges.count++);
+            out.edges.edge[at] = edge;
+            out.edges.e[at] = e;
+            out.crossed[at] = possible & ~covered;
+        }
+        return true;
+    }
+
+    /// Samples of mask k of a block that lie inside of an edge whose value at the block's first sample is e.
+    std::uint64_t samples_inside(std::uint8_t edge, std::int64_t e, unsigned k) const {
+        // The edge crosses the block: e is below 2^38, for |a| + |b| < 2^24.
+        return MaskKernel::greater(values_[edge], ~(std::int32_t(e >> 8) + values_[edge][k] * 8));
+    }
+
+    // --- tiling
+
+    bool tile_cell(int level, int x, int y, const Edges& in) {
+        ++target_.work.cells_tiled;
+        Triage t;
+        if (!triage(level, in, t)) return false;
+        const std::size_t at = pyramid_.index(level, x, y);
+        TriageMask cell = pyramid_[at];
+        t.possible &= box_in(level, x, y);
+        Extremes extremes;
+        const std::uint64_t hidden = cell.covered & behind(t.possible & ~cell.vacant, at, level, x, y, extremes);
+        // What varies from pixel to pixel is not said of many at once.
+        const std::uint64_t whole = surface_.is_flat && surface_.is_solid ? cell.vacant & t.covered : no_subcells;
+        cell.covered |= whole;
+        cell.vacant &= ~whole;
+        for (std::uint64_t left = whole; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            cover_cell(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8));
+            set_farthest(at, k, extremes);
+        }
+        bool drew = whole != 0;
+        for (std::uint64_t left = t.possible & ~(hidden | whole); left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            const int child_x = 8 * x + int(k % 8), child_y = 8 * y + int(k / 8);
+            if constexpr (is_lazy) {
+                if ((cell.vacant >> k & 1) == 0) push_down(level - 1, child_x, child_y);
+            }
+            const Edges edges = edges_in(t, k, level);
+            if (!(level == 2 ? tile_block(child_x, child_y, edges) : tile_cell(level - 1, child_x, child_y, edges))) {
+                continue;
+            }
+            drew = true;
+            cell.vacant &= ~bit_of(k);
+            if (pyramid_.is_covered(pyramid_.index(level - 1, child_x, child_y))) cell.covered |= bit_of(k);
+            set_farthest(at, k, extremes);
+        }
+        pyramid_[at] = cell;
+        return drew;
+    }
+
+    /// All samples of a vacant cell.
+    void cover_cell(int level, int x, int y) {
+        if constexpr (is_lazy) target_.lazy.block(pyramid_.index(level, x, y)).covered_by = index_;
+        const int shift = 3 * (level - 1);
+        const int end_x = std::min((x + 1) << shift, pyramid_.columns(1));
+        const int end_y = std::min((y + 1) << shift, pyramid_.rows(1));
+        for (int by = y << shift; by < end_y; ++by) {
+            for (int bx = x << shift; bx < end_x; ++bx) target_.samples.cover_block(block_at(bx, by), surface_);
+        }
+    }
+
+    bool tile_block(int x, int y, const Edges& in) {
+        ++target_.work.cells_tiled;
+        Triage t;
+        if (!triage(1, in, t)) return false;
+        block_ = block_at(x, y);
+        const std::size_t block = block_.index;
+        cell_ = pyramid_[block];
+        masks_ = pyramid_.samples_of_block(block);
+        drew_ = false;
+        const bool is_untouched = pyramid_.is_untouched(block);
+        if constexpr (is_lazy) {
+            if (is_untouched) target_.lazy.open(block);
+        }
+        t.possible &= box_in(1, x, y);
+        behind_ = behind(t.possible & ~cell_.vacant, block, 1, x, y, extremes_);
+        const std::uint64_t whole = surface_.is_solid ? cell_.vacant & t.covered : no_subcells;
+        const std::uint64_t active = t.possible & ~(cell_.covered & behind_) & ~whole;
+        if ((whole | active) == 0) return false;
+        if (is_untouched) {
+            if (whole == cell_.vacant && surface_.is_flat) {
+                cover_cell(1, x, y);
+                pyramid_[block] = {all_subcells, no_subcells};
+                return true;
+            }
+            target_.samples.open_block(block_);
+        }
+        if constexpr (is_lazy) target_.lazy.reserve_fragments(65);
+        if (whole != 0) cover_masks(whole);
+        if (active != 0) tile_masks(t, active);
+        pyramid_[block] = cell_;
+        return drew_;
+    }
+
+    void cover_masks(std::uint64_t whole) {
+        target_.samples.cover_masks(block_, whole, surface_);
+        cell_.covered |= whole;
+        cell_.vacant &= ~whole;
+        drew_ = true;
+        if constexpr (is_lazy) {
+            target_.lazy.add_fragment(target_.lazy.block(block_.index).whole_masks, whole, index_);
+            for (std::uint64_t left = whole; left != 0; left &= left - 1) {
+                set_farthest(block_.index, unsigned(std::countr_zero(left)), extremes_);
+            }
+        }
+    }
+
+    /// By how many edges cross them: for large polygons nearly all masks have one, and in a mesh many have none.
+    void tile_masks(const Triage& t, std::uint64_t active) {
+        target_.work.cells_tiled += std::uint64_t(MaskKernel::count(active));
+        std::uint64_t crossed = 0, several = 0;
+        for (int n = 0; n < t.edges.count; ++n) {
+            several |= crossed & t.crossed[std::size_t(n)];
+            crossed |= t.crossed[std::size_t(n)];
+        }
+        for (std::uint64_t left = active & ~crossed; left != 0; left &= left - 1) {
+            tile_mask(unsigned(std::countr_zero(left)), all_subcells);
+        }
+        for (int n = 0; n < t.edges.count; ++n) {
+            const std::uint8_t edge = t.edges.edge[std::size_t(n)];
+            const std::int64_t e = t.edges.e[std::size_t(n)];
+            for (std::uint64_t left = active & t.crossed[std::size_t(n)] & ~several; left != 0; left &= left - 1) {
+                const auto k = unsigned(std::countr_zero(left));
+                tile_mask(k, samples_inside(edge, e, k));
+            }
+        }
+        for (std::uint64_t left = active & several; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            std::uint64_t inside = all_subcells;
+            for (int n = 0; n < t.edges.count; ++n) {
+                if ((t.crossed[std::size_t(n)] >> k & 1) == 0) continue;
+                inside &= samples_inside(t.edges.edge[std::size_t(n)], t.edges.e[std::size_t(n)], k);
+            }
+            tile_mask(k, inside);
+        }
+    }
+
+    /// "W = P & ~C; C' = C | P" (section 3).
+    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
+        if (!surface_.is_solid) inside &= hashed_samples(k);
+        const bool is_vacant = (cell_.vacant >> k & 1) != 0;
+        std::uint64_t covered = is_vacant ? samples_outside(k) : masks_[k];
+        if constexpr (is_lazy) {
+            if ((cell_.covered >> k & 1) != 0) covered = all_subcells;
+            const std::uint64_t deep = target_.lazy.block(block_.index).deep;
+            if (((((inside & covered) != 0 ? ~behind_ : 0) | deep) & ~cell_.vacant & bit_of(k)) != 0) {
+                return tile_deep_mask(k, inside, covered);
+            }
+        }
+        const std::uint64_t seen = inside & ~covered;
+        if (seen == 0) return;
+        drew_ = true;
+        masks_[k] = covered | seen;
+        cell_.vacant &= ~bit_of(k);
+        if (masks_[k] == all_subcells) cell_.covered |= bit_of(k);
+        target_.samples.add(block_, k, seen, MaskKernel::count(seen), surface_, is_vacant);
+        if constexpr (is_lazy) {
+            std::uint32_t& history = target_.lazy.history(64 * block_.index + k);
+            if (is_vacant) history = LazyDepth::none;
+            target_.lazy.add_fragment(history, seen, index_);
+            set_farthest(block_.index, k, extremes_);
+        }
+    }
+
+    MaskBlock block_at(int x, int y) const {
+        return {pyramid_.index(1, x, y), x, y, 64 * x + target_.first_x, 64 * y + target_.first_y};
+    }
+    std::uint64_t samples_outside(unsigned k) const {
+        return pyramid_.samples_outside(8 * block_.x + int(k % 8), 8 * block_.y + int(k / 8));
+    }
+    std::uint64_t hashed_samples(unsigned k) const {
+        return surface_.hashed_samples(block_.sample_x_of(k), block_.sample_y_of(k), Target::samples_type::shades_samples);
+    }
+
+    /// "Whenever this occurs, we propagate coverage information to coarser levels" (section 3.1).
+    void tell_parents(int level, int x, int y) {
+        bool is_covered = pyramid_.is_covered(pyramid_.index(level, x, y));
+        for (; level < pyramid_.top_level(); ++level, x >>= 3, y >>= 3) {
+            const std::size_t parent = pyramid_.index(level + 1, x >> 3, y >> 3);
+            const auto k = unsigned((y & 7) * 8 + (x & 7));
+            const std::uint64_t bit = bit_of(k);
+            TriageMask& mask = pyramid_[parent];
+            if constexpr (is_lazy) {
+                float& farthest = target_.lazy.farthest(parent).q[k];
+                farthest = std::min(farthest, surface_.depth.lowest);
+            } else {
+                if (!is_covered && (mask.vacant & bit) == 0) return;
+            }
+            mask.vacant &= ~bit;
+            if (is_covered) mask.covered |= bit;
+            is_covered = mask.covered == all_subcells;
+        }
+    }
+
+    // --- lazy z-buffering
+
+    /// q of the polygon's plane over the samples of each subcell. Sums are monotonic, rounding included: so these are
+    /// exactly the least and the greatest of what DepthPlane::at gives for those samples.
+    struct Extremes {
+        alignas(32) float low_columns[8], high_columns[8];
+        float low_rows[8], high_rows[8];
+
+        void find(const DepthPlane& d, int x0, int y0, int step) {
+            const int low_x = d.by_x > 0 ? 0 : step - 1, low_y = d.by_y > 0 ? 0 : step - 1;
+            for (int i = 0; i < 8; ++i) {
+                low_columns[i] = d.column(x0 + i * step + low_x);
+                high_columns[i] = d.column(x0 + i * step + (step - 1 - low_x));
+                low_rows[i] = d.row(y0 + i * step + low_y);
+                high_rows[i] = d.row(y0 + i * step + (step - 1 - low_y));
+            }
+        }
+    };
+
+    /// Of some subcells those of which the polygon lies behind all that is seen there; of others any answer. Finds the
+    /// extremes in a cell, too.
+    std::uint64_t behind(std::uint64_t subcells, std::size_t cell, int level, int x, int y, Extremes& extremes) const {
+        if constexpr (is_lazy) {
+            const int step = 1 << 3 * level;
+            const DepthPlane& d = surface_.depth;
+            extremes.find(d, x * 8 * step + target_.first_x, y * 8 * step + target_.first_y, step);
+            if (subcells == 0) return all_subcells;
+            return MaskKernel::plane_below(extremes.high_rows, extremes.high_columns, d.lowest, d.highest,
+                                           target_.lazy.farthest(cell).q.data());
+        } else {
+            return static_cast<void>(subcells), static_cast<void>(cell), static_cast<void>(level), static_cast<void>(x),
+                   static_cast<void>(y), static_cast<void>(extremes), all_subcells;
+        }
+    }
+    void set_farthest(std::size_t cell, unsigned k, const Extremes& extremes) {
+        if constexpr (is_lazy) {
+            float& farthest = target_.lazy.farthest(cell).q[k];
+            const float least = surface_.depth.inside(extremes.low_rows[k / 8] + extremes.low_columns[k % 8]);
+            farthest = std::min(farthest, least);
+        }
+    }
+
+    /// Subcells of which all that is as far as q or farther lies behind what is seen there.
+    std::uint64_t behind_at(std::size_t cell, float q) const {
+        SubcellDepths depths;
+        depths.q.fill(q);
+        return MaskKernel::less(depths.q.data(), target_.lazy.farthest(cell).q.data());
+    }
+
+    /// What covered a cell all at once is said to the cells below.
+    void push_down(int level, int x, int y) {
+        const std::size_t cell = pyramid_.index(level, x, y);
+        const std::uint32_t index = target_.lazy.block(cell).covered_by;
+        if (index == LazyDepth::none) return;
+        TilePolygon whole;
+        whole.surface = target_.lazy.surface(index);
+        Tiler below(target_, whole, index);
+        below.cover_below(level, x, y);
+    }
+    Tiler(Target& target, const TilePolygon& polygon, std::uint32_t index)
+        : target_(target), pyramid_(target.pyramid), polygon_(polygon), surface_(polygon.surface), index_(index) {}
+
+    void cover_below(int level, int x, int y) {
+        const std::size_t cell = pyramid_.index(level, x, y);
+        LazyDepth& lazy = target_.lazy;
+        lazy.open(cell);
+        pyramid_[cell] = {all_subcells, no_subcells};
+        const std::uint64_t inside = pyramid_.inside(cell);
+        const int step = 1 << 3 * level;
+        extremes_.find(surface_.depth, x * 8 * step + target_.first_x, y * 8 * step + target_.first_y, step);
+        for (std::uint64_t left = inside; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            set_farthest(cell, k, extremes_);
+            if (level > 1) lazy.block(pyramid_.index(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8))).covered_by = index_;
+        }
+        if (level == 1) {
+            target_.samples.open_block(block_at(x, y));
+            target_.samples.cover_masks(block_at(x, y), inside, surface_);
+            lazy.reserve_fragments(1);
+            lazy.add_fragment(lazy.block(cell).whole_masks, inside, index_);
+        }
+    }
+
+    /// Where polygons overlap that do not come front to back a mask reverts to a z-buffer, for good.
+    [[gnu::noinline]] void tile_deep_mask(unsigned k, std::uint64_t inside, std::uint64_t covered) {
+        LazyDepth& lazy = target_.lazy;
+        const std::size_t at = 64 * block_.index + k;
+        if ((lazy.block(block_.index).deep >> k & 1) == 0) make_deep(k, covered);
+        DeepMask& deep = lazy.deep(at);
+        const std::uint64_t seen = draw_deep(deep, inside, covered, surface_, k);
+        if (seen == 0) return;
+        drew_ = true;
+        masks_[k] = covered | seen;
+        if (masks_[k] == all_subcells) cell_.covered |= bit_of(k);
+        lazy.farthest(block_.index).q[k] = least_of(deep, masks_[k] & ~samples_outside(k));
+    }
+
+    void make_deep(unsigned k, std::uint64_t covered) {
+        ++target_.work.masks_z_buffered;
+        LazyDepth& lazy = target_.lazy;
+        LazyDepth::Block& block = lazy.block(block_.index);
+        const std::size_t at = 64 * block_.index + k;
+        std::uint32_t list = lazy.history(at);
+        DeepMask& deep = lazy.make_deep(at);
+        block.deep |= bit_of(k);
+        masks_[k] = covered;
+        const auto replay = [&](const Surface& surface, std::uint64_t samples) {
+            target_.samples.remove(block_, k, samples, surface);
+            draw_deep(deep, samples, no_subcells, surface, k);
+        };
+        for (std::uint32_t f = block.whole_masks; f != LazyDepth::none; f = lazy.fragment(f).next) {
+            if ((lazy.fragment(f).bits >> k & 1) == 0) continue;
+            return replay(lazy.surface(lazy.fragment(f).surface), all_subcells);
+        }
+        for (; list != LazyDepth::none; list = lazy.fragment(list).next) {
+            replay(lazy.surface(lazy.fragment(list).surface), lazy.fragment(list).bits);
+        }
+    }
+
+    /// As ZBufferRenderer: the nearer wins, of two at the same depth the larger color. Returns what was drawn.
+    std::uint64_t draw_deep(DeepMask& deep, std::uint64_t inside, std::uint64_t covered, const Surface& surface,
+                            unsigned k) const {
+        const int x = block_.sample_x_of(k), y = block_.sample_y_of(k);
+        float columns[8];
+        for (int i = 0; i < 8; ++i) columns[i] = surface.depth.column(x + i);
+        const Rgba8 pixel = surface.seen_color_of_pixel(x, y);
+        std::uint64_t drawn = 0;
+        for (int j = 0; j < 8; ++j) {
+            const auto wanted = unsigned(inside >> (8 * j) & 255);
+            if (wanted == 0) continue;
+            const auto open = unsigned(~covered >> (8 * j) & 255);
+            const float row = surface.depth.row(y + j);
+            unsigned done = 0;
+            for (unsigned i = 0; i < 8; ++i) {
+                if ((wanted >> i & 1) == 0) continue;
+                float& depth = deep.q[unsigned(8 * j) + i];
+                Rgba8& color = deep.color[unsigned(8 * j) + i];
+                const float q = surface.depth.inside(row + columns[i]);
+                const bool is_open = (open >> i & 1) != 0;
+                if (!is_open && q < depth) continue;
+                const Rgba8 c =
+                    Target::samples_type::shades_samples ? surface.seen_color_at(x + int(i), y + j) : pixel;
+                if (!is_open && q == depth && std::bit_cast<std::uint32_t>(c) <= std::bit_cast<std::uint32_t>(color)) {
+                    continue;
+                }
+                depth = q;
+                color = c;
+                done |= 1u << i;
+            }
+            drawn |= std::uint64_t(done) << (8 * j);
+        }
+        return drawn;
+    }
+
+    static float least_of(const DeepMask& deep, std::uint64_t covered) {
+        float least = std::numeric_limits<float>::infinity();
+        for (unsigned k = 0; k < 64; ++k) {
+            if ((covered >> k & 1) != 0) least = std::min(least, deep.q[k]);
+        }
+        return least;
+    }
+
+    // --- asking
+
+    /// "Returning TRUE whenever a polygon's mask indicates that it covers a vacant subcell or a vacant grid point"
+    /// (section 5.2). A subcell that is covered, but not by something nearer throughout, counts as one where it is seen.
+    bool sees_cell(int level, int x, int y, const Edges& in) {
+        ++target_.work.cells_asked;
+        Triage t;
+        if (!triage(level, in, t)) return false;
+        const std::size_t at = pyramid_.index(level, x, y);
+        const TriageMask cell = pyramid_[at];
+        std::uint64_t hidden = cell.covered;
+        if constexpr (is_lazy) {
+            if (hidden != 0 && !pyramid_.is_untouched(at)) hidden &= MaskKernel::less(asked_q_.q.data(), target_.lazy.farthest(at).q.data());
+        }
+        const std::uint64_t possible = t.possible & box_in(level, x, y) & ~hidden;
+        if (possible == 0) return false;
+        if ((possible & (t.covered | cell.covered)) != 0) return true;
+        const std::uint64_t* masks = level == 1 ? pyramid_.samples_of_block(at) : nullptr;
+        for (std::uint64_t left = possible; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            const int child_x = 8 * x + int(k % 8), child_y = 8 * y + int(k / 8);
+            if (level > 1) {
+                if (sees_cell(level - 1, child_x, child_y, edges_in(t, k, level))) return true;
+                continue;
+            }
+            ++target_.work.cells_asked;
+            std::uint64_t inside =
+                ~((cell.vacant >> k & 1) != 0 ? pyramid_.samples_outside(child_x, child_y) : masks[k]);
+            for (int n = 0; n < t.edges.count && inside != 0; ++n) {
+                if ((t.crossed[std::size_t(n)] >> k & 1) == 0) continue;
+                inside &= samples_inside(t.edges.edge[std::size_t(n)], t.edges.e[std::size_t(n)], k);
+            }
+            if (inside != 0) return true;
+        }
+        return false;
+    }
+
+    Target& target_;
+    CoveragePyramid& pyramid_;
+    const TilePolygon& polygon_;
+    const Surface& surface_;
+    int x0_ = 0, y0_ = 0, x1_ = -1, y1_ = -1;  ///< samples of the bounding box inside the image, ends included
+
+    int cell_count_ = 0;
+    std::array<Start, 4> cells_;
+    int edge_count_ = 0;
+    std::array<std::int32_t, most_edges> a_, b_;
+    std::array<std::int64_t, most_edges> e_;  ///< at the image's first sample
+    alignas(64) std::int32_t values_[most_edges][64];  ///< a i + b j
+
+    // The block at work.
+    TriageMask cell_;
+    MaskBlock block_;
+    std::uint64_t* masks_ = nullptr;
+    std::uint64_t behind_ = all_subcells;
+    bool drew_ = false;
+
+    // Lazy mode only.
+    std::uint32_t index_ = 0;  ///< of the surface
+    float nearest_q_ = 0;      ///< of the polygon
+    Extremes extremes_;        ///< in the block at work
+    SubcellDepths asked_q_;
+};
+
+template <class Target>
+bool tile(Target& target, const TilePolygon& polygon) {
+    return Tiler<Target>(target, polygon).tile();
+}
+
+template <class Target>
+bool is_seen(Target& target, const TilePolygon& polygon, float q, int grown_by) {
+    return Tiler<Target>(target, polygon, grown_by).is_seen(q, grown_by);
+}

@@ -1,0 +1,117 @@
+// What lazy z-buffering remembers of a frame (Greene 1996, section 6.1): how far away the farthest thing drawn in each
+// cell is, which fragments make up each pixel, and depth and color of every sample of those pixels where polygons did
+// not come front to back.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "farfield/coverage/coverage_pyramid.hpp"
+#include "farfield/coverage/surface.hpp"
+
+namespace farfield {
+
+/// q of something in each subcell; infinity where there is nothing.
+struct alignas(64) SubcellDepths {
+    std::array<float, 64> q;
+    void clear() { q.fill(std::numeric_limits<float>::infinity()); }
+};
+
+/// "Reverting to ordinary z-buffering, allocating the memory required for storing color and depth at each subpixel
+/// sample": 512 bytes. Valid for samples that are covered.
+struct alignas(64) DeepMask {
+    std::array<float, 64> q;
+    std::array<Rgba8, 64> color;
+};
+
+class LazyDepth {
+  public:
+    static constexpr std::uint32_t none = 0xffffffffu;
+
+    /// Some samples of a mask, or some masks of a block, that show one surface. Those of one list do not overlap.
+    struct Fragment {
+        std::uint64_t bits;
+        std::uint32_t surface;
+        std::uint32_t next;  ///< or none
+    };
+
+    /// What has been drawn into a block, where it has been opened.
+    struct Block {
+        std::uint64_t deep = no_subcells;   ///< masks that are z-buffered
+        std::uint32_t whole_masks = none;   ///< fragments: surfaces that covered masks all at once
+        std::uint32_t covered_by = none;    ///< the surface that covered all of a cell at once; the rest is not valid
+    };
+
+    void begin(const CoveragePyramid& pyramid) {
+        farthest_.resize(pyramid.size());
+        cells_.resize(pyramid.size());
+        histories_.resize(64 * pyramid.block_count());
+        const bool is_one_block = pyramid.size() == 1;
+        for (std::size_t cell = is_one_block ? 0 : pyramid.block_count(); cell < pyramid.size(); ++cell) open(cell);
+        surface_count_ = 0;
+        fragment_count_ = 0;
+        deep_places_.clear();
+    }
+
+    /// Nothing has been drawn into a cell of level 1 or above.
+    void open(std::size_t cell) {
+        farthest_[cell].clear();
+        cells_[cell] = {};
+    }
+    /// A lower bound of q over all that is seen in each subcell of a cell.
+    SubcellDepths& farthest(std::size_t cell) { return farthest_[cell]; }
+    /// Of cells above blocks only covered_by means anything.
+    Block& block(std::size_t cell) { return cells_[cell]; }
+    /// Of mask `at` of samples, 64 * block + subcell: its first fragment, or, where it is z-buffered, which DeepMask.
+    std::uint32_t& history(std::size_t at) { return histories_[at]; }
+
+    std::uint32_t add(const Surface& surface) {
+        if (surface_count_ == surfaces_.size()) surfaces_.resize(2 * surfaces_.size() + 64);
+        surfaces_[surface_count_] = surface;
+        return surface_count_++;
+    }
+    void forget_last_surface() { --surface_count_; }
+    const Surface& surface(std::uint32_t index) const { return surfaces_[index]; }
+
+    /// Room for so many fragments more: add_fragment() may then be called as often.
+    void reserve_fragments(std::uint32_t count) {
+        if (fragment_count_ + count > fragments_.size()) fragments_.resize(2 * fragments_.size() + count);
+    }
+    /// At the head of a list.
+    void add_fragment(std::uint32_t& list, std::uint64_t bits, std::uint32_t surface) {
+        fragments_[fragment_count_] = {bits, surface, list};
+        list = fragment_count_++;
+    }
+    const Fragment& fragment(std::uint32_t index) const { return fragments_[index]; }
+
+    DeepMask& deep(std::size_t at) { return deep_[histories_[at] / chunk][histories_[at] % chunk]; }
+    /// A new one, not filled in. What its history was is lost.
+    DeepMask& make_deep(std::size_t at) {
+        const std::size_t index = deep_places_.size();
+        if (index / chunk == deep_.size()) deep_.push_back(std::make_unique<DeepMask[]>(chunk));
+        histories_[at] = std::uint32_t(index);
+        deep_places_.push_back(at);
+        return deep(at);
+    }
+    /// Masks that are z-buffered, as history() takes them.
+    const std::vector<std::size_t>& deep_places() const { return deep_places_; }
+
+  private:
+    static constexpr std::uint32_t chunk = 256;
+
+    std::vector<SubcellDepths> farthest_;
+    std::vector<Block> cells_;
+    std::vector<std::uint32_t> histories_;
+    std::vector<Surface> surfaces_;
+    std::vector<Fragment> fragments_;
+    std::uint32_t surface_count_ = 0, fragment_count_ = 0;  ///< of those that are there
+    std::vector<std::unique_ptr<DeepMask[]>> deep_;
+    std::vector<std::size_t> deep_places_;
+};
+
+}  // namespace farfield

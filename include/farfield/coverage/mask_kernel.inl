@@ -1,0 +1,139 @@
+// Sixty-four comparisons to a mask, once for each instruction set: see coverage_tiler.hpp. No include guard; expects
+// FARFIELD_LANES (1, 4, 8 or 16) and to stand inside a namespace of its own.
+
+struct MaskKernel {
+    /// Bit k: v[k] > threshold.
+    static std::uint64_t greater(const std::int32_t* v, std::int32_t threshold) {
+#if FARFIELD_LANES == 16
+        const __m512i t = _mm512_set1_epi32(threshold);
+        return joined(
+            _mm512_cmpgt_epi32_mask(_mm512_load_si512(v), t), _mm512_cmpgt_epi32_mask(_mm512_load_si512(v + 16), t),
+            _mm512_cmpgt_epi32_mask(_mm512_load_si512(v + 32), t), _mm512_cmpgt_epi32_mask(_mm512_load_si512(v + 48), t));
+#elif FARFIELD_LANES == 8
+        const __m256i t = _mm256_set1_epi32(threshold);
+        std::uint64_t mask = 0;
+        for (unsigned k = 0; k < 8; ++k) {
+            const __m256i part = _mm256_cmpgt_epi32(_mm256_load_si256(reinterpret_cast<const __m256i*>(v + 8 * k)), t);
+            mask |= std::uint64_t(std::uint32_t(_mm256_movemask_ps(_mm256_castsi256_ps(part)))) << (8 * k);
+        }
+        return mask;
+#elif FARFIELD_LANES == 4
+        const __m128i t = _mm_set1_epi32(threshold);
+        std::uint64_t mask = 0;
+        for (unsigned k = 0; k < 4; ++k) {
+            const auto* p = reinterpret_cast<const __m128i*>(v + 16 * k);
+            const __m128i a = _mm_packs_epi32(_mm_cmpgt_epi32(p[0], t), _mm_cmpgt_epi32(p[1], t));
+            const __m128i b = _mm_packs_epi32(_mm_cmpgt_epi32(p[2], t), _mm_cmpgt_epi32(p[3], t));
+            mask |= std::uint64_t(std::uint32_t(_mm_movemask_epi8(_mm_packs_epi16(a, b)))) << (16 * k);
+        }
+        return mask;
+#else
+        std::uint64_t mask = 0;
+        for (unsigned k = 0; k < 64; ++k) mask |= std::uint64_t(v[k] > threshold) << k;
+        return mask;
+#endif
+    }
+
+    /// Bit k: a[k] < b[k].
+    static std::uint64_t less(const float* a, const float* b) {
+#if FARFIELD_LANES == 16
+        return joined(_mm512_cmp_ps_mask(_mm512_load_ps(a), _mm512_load_ps(b), _CMP_LT_OQ),
+                      _mm512_cmp_ps_mask(_mm512_load_ps(a + 16), _mm512_load_ps(b + 16), _CMP_LT_OQ),
+                      _mm512_cmp_ps_mask(_mm512_load_ps(a + 32), _mm512_load_ps(b + 32), _CMP_LT_OQ),
+                      _mm512_cmp_ps_mask(_mm512_load_ps(a + 48), _mm512_load_ps(b + 48), _CMP_LT_OQ));
+#elif FARFIELD_LANES == 8
+        std::uint64_t mask = 0;
+        for (unsigned k = 0; k < 8; ++k) {
+            const __m256 part = _mm256_cmp_ps(_mm256_load_ps(a + 8 * k), _mm256_load_ps(b + 8 * k), _CMP_LT_OQ);
+            mask |= std::uint64_t(std::uint32_t(_mm256_movemask_ps(part))) << (8 * k);
+        }
+        return mask;
+#elif FARFIELD_LANES == 4
+        std::uint64_t mask = 0;
+        for (unsigned k = 0; k < 16; ++k) {
+            const __m128 part = _mm_cmplt_ps(_mm_load_ps(a + 4 * k), _mm_load_ps(b + 4 * k));
+            mask |= std::uint64_t(std::uint32_t(_mm_movemask_ps(part))) << (4 * k);
+        }
+        return mask;
+#else
+        std::uint64_t mask = 0;
+        for (unsigned k = 0; k < 64; ++k) mask |= std::uint64_t(a[k] < b[k]) << k;
+        return mask;
+#endif
+    }
+
+    /// Bit 8 * j + i: rows[j] + columns[i], kept inside [lowest, highest], is below limits[8 * j + i].
+    static std::uint64_t plane_below(const float* rows, const float* columns, float lowest, float highest,
+                                     const float* limits) {
+        std::uint64_t mask = 0;
+#if FARFIELD_LANES >= 8
+        const __m256 c = _mm256_load_ps(columns), low = _mm256_set1_ps(lowest), high = _mm256_set1_ps(highest);
+        for (unsigned j = 0; j < 8; ++j) {
+            const __m256 q = _mm256_min_ps(_mm256_max_ps(_mm256_add_ps(_mm256_set1_ps(rows[j]), c), low), high);
+            const __m256 is_below = _mm256_cmp_ps(q, _mm256_load_ps(limits + 8 * j), _CMP_LT_OQ);
+            mask |= std::uint64_t(std::uint32_t(_mm256_movemask_ps(is_below))) << (8 * j);
+        }
+#elif FARFIELD_LANES == 4
+        const __m128 low = _mm_set1_ps(lowest), high = _mm_set1_ps(highest);
+        for (unsigned k = 0; k < 16; ++k) {
+            const __m128 sum = _mm_add_ps(_mm_set1_ps(rows[k / 2]), _mm_load_ps(columns + k % 2 * 4));
+            const __m128 is_below =
+                _mm_cmplt_ps(_mm_min_ps(_mm_max_ps(sum, low), high), _mm_load_ps(limits + 4 * k));
+            mask |= std::uint64_t(std::uint32_t(_mm_movemask_ps(is_below))) << (4 * k);
+        }
+#else
+        for (unsigned k = 0; k < 64; ++k) {
+            const float q = std::min(std::max(rows[k / 8] + columns[k % 8], lowest), highest);
+            mask |= std::uint64_t(q < limits[k]) << k;
+        }
+#endif
+        return mask;
+    }
+
+    static int count(std::uint64_t mask) {
+#if FARFIELD_LANES >= 8
+        return __builtin_popcountll(mask);
+#else
+        // Without an instruction for it compilers call a function.
+        mask -= mask >> 1 & 0x5555555555555555u;
+        mask = (mask & 0x3333333333333333u) + (mask >> 2 & 0x3333333333333333u);
+        mask = (mask + (mask >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+        return int(mask * 0x0101010101010101u >> 56);
+#endif
+    }
+
+    /// v[8 * j + i] = a * i + b * j.
+    static void tabulate(std::int32_t a, std::int32_t b, std::int32_t* v) {
+#if FARFIELD_LANES == 16
+        const __m512i i = _mm512_set_epi32(7, 6, 5, 4, 3, 2, 1, 0, 7, 6, 5, 4, 3, 2, 1, 0);
+        const __m512i j = _mm512_set_epi32(b, b, b, b, b, b, b, b, 0, 0, 0, 0, 0, 0, 0, 0);
+        const __m512i two_rows = _mm512_set1_epi32(2 * b);
+        __m512i row = _mm512_add_epi32(_mm512_mullo_epi32(i, _mm512_set1_epi32(a)), j);
+        for (unsigned k = 0; k < 4; ++k, row = _mm512_add_epi32(row, two_rows)) _mm512_store_si512(v + 16 * k, row);
+#elif FARFIELD_LANES == 8
+        const __m256i by_row = _mm256_set1_epi32(b);
+        __m256i row = _mm256_mullo_epi32(_mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0), _mm256_set1_epi32(a));
+        for (unsigned k = 0; k < 8; ++k, row = _mm256_add_epi32(row, by_row)) {
+            _mm256_store_si256(reinterpret_cast<__m256i*>(v + 8 * k), row);
+        }
+#elif FARFIELD_LANES == 4
+        const __m128i by_row = _mm_set1_epi32(b);
+        __m128i left = _mm_set_epi32(3 * a, 2 * a, a, 0), right = _mm_add_epi32(left, _mm_set1_epi32(4 * a));
+        for (unsigned k = 0; k < 8; ++k) {
+            _mm_store_si128(reinterpret_cast<__m128i*>(v + 8 * k), left);
+            _mm_store_si128(reinterpret_cast<__m128i*>(v + 8 * k + 4), right);
+            left = _mm_add_epi32(left, by_row);
+            right = _mm_add_epi32(right, by_row);
+        }
+#else
+        for (std::int32_t k = 0; k < 64; ++k) v[k] = a * (k & 7) + b * (k >> 3);
+#endif
+    }
+
+  private:
+#if FARFIELD_LANES == 16
+    static std::uint64_t joined(__mmask16 a, __mmask16 b, __mmask16 c, __mmask16 d) {
+        return _mm512_kunpackd(_mm512_kunpackw(d, c), _mm512_kunpackw(b, a));
+    }
+#endif
+};

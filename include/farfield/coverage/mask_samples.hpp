@@ -1,0 +1,151 @@
+// Where the tiler's masks of samples go: into filters, for images with 64 samples a pixel, or straight into pixels.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "farfield/coverage/box_filter.hpp"
+#include "farfield/coverage/lazy_depth.hpp"
+#include "farfield/coverage/point_samples.hpp"
+#include "farfield/coverage/surface.hpp"
+
+namespace farfield {
+
+/// Inlined into code for another instruction set, small functions are compiled for that: a call would cost as much
+/// again, and mixing the old and the new encoding of vector instructions more.
+#if defined(__GNUC__)
+#define FARFIELD_INLINE [[gnu::always_inline]] inline
+#else
+#define FARFIELD_INLINE inline
+#endif
+
+/// A block of 8 x 8 masks of samples: its number and place in the pyramid's level 1, and its first sample, relative to
+/// the center sample.
+struct MaskBlock {
+    std::size_t index = 0;
+    int x = 0, y = 0;
+    int sample_x = 0, sample_y = 0;
+
+    int sample_x_of(unsigned k) const { return sample_x + 8 * int(k % 8); }
+    int sample_y_of(unsigned k) const { return sample_y + 8 * int(k / 8); }
+};
+
+/// A mask is a pixel's 64 samples.
+template <class Filter>
+class PixelSamples {
+  public:
+    static constexpr int samples_a_side = 8;
+    static constexpr bool shades_samples = false;  ///< one color a surface and pixel
+
+    void begin(int width_px, int height_px) { filter_.begin(width_px, height_px); }
+
+    /// Masks of a block will be written one by one.
+    FARFIELD_INLINE void open_block(const MaskBlock& block) {
+        if constexpr (has_blocks) filter_.open_block(block.index);
+    }
+    /// All samples of a block, of which none has been seen, of a flat surface.
+    FARFIELD_INLINE void cover_block(const MaskBlock& block, const Surface& surface) {
+        if constexpr (has_blocks) {
+            filter_.fill_block(block.index, surface.seen_color());
+        } else {
+            filter_.fill(8 * block.x, 8 * block.y, 8, 8, surface.seen_color());
+        }
+    }
+    /// All samples of some masks.
+    FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        if (surface.is_flat) {
+            if constexpr (has_blocks) {
+                filter_.fill_pixels(block.index, masks, surface.seen_color());
+            } else {
+                filter_.fill_pixels(8 * block.x, 8 * block.y, masks, surface.seen_color());
+            }
+            return;
+        }
+        for (; masks != 0; masks &= masks - 1) {
+            const auto k = unsigned(std::countr_zero(masks));
+            add(block, k, all_subcells, 64, surface, true);
+        }
+    }
+    /// Some samples of mask k, `count` of them; `is_first`: of none other in this frame.
+    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, const Surface& surface,
+             bool is_first) {
+        add(block, k, samples, count, color_of(block, k, surface), is_first);
+    }
+    /// Takes back what add() or cover_masks() did, as if it had not been the first: lazy z-buffering will say it anew.
+    void remove(const MaskBlock& block, unsigned k, std::uint64_t samples, const Surface& surface) {
+        if constexpr (!has_blocks) {
+            filter_.remove(8 * block.x + int(k % 8), 8 * block.y + int(k / 8), samples, color_of(block, k, surface));
+        }
+    }
+    /// All samples of mask k, whose earlier ones were taken back.
+    void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
+        for (unsigned s = 0; s < 64; ++s) {
+            add(block, k, std::uint64_t(1) << s, 1, deep.color[s], s == 0);
+        }
+    }
+
+    void resolve(Image& image) const { filter_.resolve(image); }
+
+  private:
+    static constexpr bool has_blocks = requires(Filter f) { f.open_block(0); };
+
+    static Rgba8 color_of(const MaskBlock& block, unsigned k, const Surface& surface) {
+        return surface.is_flat ? surface.seen_color()
+                               : surface.seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
+    }
+    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, Rgba8 color, bool is_first) {
+        if constexpr (has_blocks) {
+            filter_.add_at(64 * block.index + k, count, color, is_first);
+        } else {
+            filter_.add(8 * block.x + int(k % 8), 8 * block.y + int(k / 8), samples, color, is_first);
+        }
+    }
+
+    Filter filter_;
+};
+
+/// A sample is a pixel, a mask 8 x 8 of them.
+class SinglePixels {
+  public:
+    static constexpr int samples_a_side = 1;
+    static constexpr bool shades_samples = true;
+
+    void begin(int width_px, int height_px) { pixels_.begin(width_px, height_px); }
+
+    void open_block(const MaskBlock&) {}
+    FARFIELD_INLINE void cover_block(const MaskBlock& block, const Surface& surface) {
+        pixels_.fill(64 * block.x, 64 * block.y, 64, 64, surface.seen_color());
+    }
+    FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        for (; masks != 0; masks &= masks - 1) {
+            add(block, unsigned(std::countr_zero(masks)), all_subcells, 64, surface, true);
+        }
+    }
+    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int, const Surface& surface, bool) {
+        const std::size_t at = place(block, k);
+        if (surface.is_flat) return pixels_.add(at, samples, surface.seen_color());
+        for (; samples != 0; samples &= samples - 1) {
+            const auto s = std::countr_zero(samples);
+            pixels_.add(at, std::uint64_t(1) << s,
+                        surface.seen_color_at(block.sample_x_of(k) + s % 8, block.sample_y_of(k) + s / 8));
+        }
+    }
+    void remove(const MaskBlock&, unsigned, std::uint64_t, const Surface&) {}
+    void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
+        for (unsigned s = 0; s < 64; ++s) {
+            pixels_.add(place(block, k), std::uint64_t(1) << s, deep.color[s]);
+        }
+    }
+
+    void resolve(Image& image) { pixels_.resolve(image); }
+
+  private:
+    std::size_t place(const MaskBlock& block, unsigned k) const {
+        return pixels_.block_of(64 * block.x + 8 * int(k % 8), 64 * block.y + 8 * int(k / 8));
+    }
+
+    PointSamples pixels_;
+};
+
+}  // namespace farfield

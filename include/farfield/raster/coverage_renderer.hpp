@@ -1,0 +1,302 @@
+// A renderer that never touches a hidden sample twice: hierarchical polygon tiling with coverage masks (Greene 1996).
+// 64 samples a pixel cost about what one costs others, and it tells any hierarchy which cells are hidden.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "farfield/coverage/coverage_tiler.hpp"
+#include "farfield/coverage/silhouette.hpp"
+#include "farfield/geometry/light.hpp"
+#include "farfield/raster/image.hpp"
+#include "farfield/raster/light_in_view.hpp"
+#include "farfield/raster/polygon_clip.hpp"
+#include "farfield/raster/polygon_stream.hpp"
+#include "farfield/raster/sample_projection.hpp"
+#include "farfield/renderer.hpp"
+
+namespace farfield {
+
+struct CoverageOptions {
+    Rgba8 background{0, 0, 0, 0};             ///< premultiplied
+    std::optional<DirectionalLight> light{};  ///< in the outermost hierarchy's axes; none: colors as they are
+    bool culls_back_faces = false;            ///< for closed surfaces that are counter-clockwise seen from outside
+    Simd simd = Simd::automatic;              ///< all give the same picture
+};
+
+/// Draws what a Viewer hands over; the picture is image() after the frame. Colors that differ over a primitive are
+/// taken once a pixel. Primitives with alpha below 255 cover that part of the samples, chosen as ZBufferRenderer does.
+///
+/// `strict` wants primitives front to back, and hierarchies that promise it: nothing is compared, nothing is written
+/// twice. `lazy` takes any order and gives the samples of a z-buffer; what comes nearly front to back costs little more.
+template <CoverageOrder coverage_order, class Samples = PixelSamples<BoxFilter>>
+class BasicCoverageRenderer {
+    static constexpr bool is_lazy = coverage_order == CoverageOrder::lazy;
+
+  public:
+    static constexpr RendererFacts facts{
+        .order = Order::front_to_back,
+        .needs_ordering = is_lazy ? Ordering::none : Ordering::primitives,
+        .keeps_sources = true,
+        .answers_hidden = true,
+    };
+
+    explicit BasicCoverageRenderer(const CoverageOptions& options = {})
+        : options_(options), light_(options.light), tiler_(options.simd) {}
+
+    const Image& image() const { return image_; }
+    /// Of the last frame.
+    const CoverageWork& work() const { return target_.work; }
+    /// Of the coverage pyramid: 1 2/63 bits a sample where the image's sides are powers of 8.
+    std::size_t pyramid_bytes() const { return target_.pyramid.bytes(); }
+
+    template <PrimitiveWithPolygons P>
+    std::uint32_t page_in(const Source<P>& source) {
+        for (std::size_t i = 0; i < streams_.size(); ++i) {
+            if (!streams_[i]) return streams_[i] = std::make_unique<PolygonStream>(source), std::uint32_t(i);
+        }
+        streams_.push_back(std::make_unique<PolygonStream>(source));
+        return std::uint32_t(streams_.size() - 1);
+    }
+    void page_out(std::uint32_t id) { streams_[id].reset(); }
+
+    /// Throws std::invalid_argument for images of no or too many samples: 31,000 on a side.
+    void begin_frame(const LocalView& view) {
+        constexpr int side = Samples::samples_a_side, limit = 31000 / side;
+        if (view.width < 1 || view.height < 1 || view.width > limit || view.height > limit) {
+            throw std::invalid_argument("farfield::CoverageRenderer: an image must have 1 to " +
+                                        std::to_string(limit) + " pixels on a side");
+        }
+        to_ = SampleProjection(view, side);
+        target_.begin(view.width, view.height, to_.first_x, to_.first_y);
+        light_.begin_frame(view);
+    }
+    void set_view(const LocalView& view) {
+        to_ = SampleProjection(view, Samples::samples_a_side);
+        light_.set_view(view);
+    }
+    /// "We composite a screen-sized polygon of the desired background color, thereby tiling all remaining vacant
+    /// pixels" (section 4.5).
+    void end_frame() {
+        const std::int32_t left = 256 * to_.first_x, right = 256 * to_.end_x;
+        const std::int32_t top = 256 * to_.first_y, bottom = 256 * to_.end_y;
+        polygon_.corners = 4;
+        polygon_.x = {left, right, right, left};
+        polygon_.y = {top, top, bottom, bottom};
+        polygon_.surface = {};
+        polygon_.surface.is_background = true;
+        polygon_.surface.colors.fill(options_.background);
+        constexpr float infinity = std::numeric_limits<float>::infinity();
+        polygon_.surface.depth.at_corner = -infinity;
+        polygon_.surface.depth.lowest = polygon_.surface.depth.highest = -infinity;
+        const CoverageWork work = target_.work;
+        tiler_.tile(target_, polygon_);
+        target_.work = work;
+        target_.resolve(image_);
+    }
+
+    template <class P>
+    void draw(const Source<P>& source, std::span<const Range> ranges) {
+        const PolygonStream& stream = *streams_[source.id];
+        for (const Range& r : ranges) {
+            const std::uint32_t end = stream.first_record(r.first + r.count);
+            for (std::uint32_t at = stream.first_record(r.first); at < end; ++at) {
+                if (at + 2 < end) __builtin_prefetch(&stream[at + 2]);
+                draw(stream, stream[at]);
+            }
+        }
+    }
+
+    /// Asked front to back: hidden behind what was drawn before. A box that reaches behind the near plane never is.
+    bool hidden(const Cell& cell, CellId) {
+        if (!silhouette_.project(cell.bounds_center, cell.bounds_half, to_)) return false;
+        // Contents are projected and snapped by themselves, and may lie that much outside.
+        constexpr int rounding = 8;
+        return !tiler_.is_seen(target_, silhouette_.outline, silhouette_.nearest_q, rounding);
+    }
+
+  private:
+    using Target = CoverageTarget<coverage_order, Samples>;
+
+    void draw(const PolygonStream& stream, const PolygonRecord& r) {
+        float x[4], y[4], q[4];
+        bool any_behind = false, all_behind = true, in_guard_band = true;
+        const float guard = SampleProjection::guard_band * 256;
+        for (unsigned c = 0; c < 4; ++c) {
+            const float dx = r.x[c] - to_.eye.x, dy = r.y[c] - to_.eye.y, dz = r.z[c] - to_.eye.z;
+            const float depth = dx * to_.forward.x + dy * to_.forward.y + dz * to_.forward.z;
+            const float inverse = to_.inverse_w(depth);
+            x[c] = (dx * to_.right.x + dy * to_.right.y + dz * to_.right.z) * inverse + to_.offset_x;
+            y[c] = (dx * to_.down.x + dy * to_.down.y + dz * to_.down.z) * inverse + to_.offset_y;
+            q[c] = to_.q(depth, inverse);
+            const bool is_behind = depth < to_.near_depth;
+            any_behind |= is_behind;
+            all_behind &= is_behind;
+            in_guard_band &= x[c] > -guard && x[c] < guard && y[c] > -guard && y[c] < guard;
+        }
+        if (all_behind) return;
+        if (any_behind || !in_guard_band) return draw_clipped(stream, r);
+        Corners corners;
+        for (unsigned c = 0; c < 4; ++c) {
+            corners.x[c] = snapped_to_256th(x[c]);
+            corners.y[c] = snapped_to_256th(y[c]);
+            corners.q[c] = q[c];
+        }
+        if (r.is_triangle) {
+            const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream.colors(r);
+            draw_triangle(r, corners, 0, 1, 2, colors);
+        } else {
+            draw_quadrilateral(r, corners);
+        }
+    }
+
+    struct Corners {
+        std::array<std::int32_t, 4> x, y;
+        std::array<float, 4> q;
+
+        std::int64_t turn(unsigned a, unsigned b, unsigned c) const {
+            return std::int64_t(x[b] - x[a]) * (y[c] - y[b]) - std::int64_t(y[b] - y[a]) * (x[c] - x[b]);
+        }
+        SnappedTriangle triangle(unsigned a, unsigned b, unsigned c) const {
+            return {{x[a], x[b], x[c]}, {y[a], y[b], y[c]}, {q[a], q[b], q[c]}};
+        }
+    };
+
+    void draw_quadrilateral(const PolygonRecord& r, const Corners& k) {
+        const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
+        const auto [low_y, high_y] = std::minmax({k.y[0], k.y[1], k.y[2], k.y[3]});
+        if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
+        const std::int64_t turns[4] = {k.turn(0, 1, 2), k.turn(1, 2, 3), k.turn(2, 3, 0), k.turn(3, 0, 1)};
+        const bool is_clockwise = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0 && turns[3] >= 0;
+        const bool is_front = turns[0] <= 0 && turns[1] <= 0 && turns[2] <= 0 && turns[3] <= 0;
+        if (is_clockwise == is_front) {
+            // Snapping bent it, or it is nothing: then both were 0 throughout.
+            if (is_front) return;
+            draw_triangle(r, k, 0, 1, 2, nullptr);
+            draw_triangle(r, k, 0, 2, 3, nullptr);
+            return;
+        }
+        if (!is_front && options_.culls_back_faces) return;
+        polygon_.corners = 4;
+        const unsigned order[4] = {0, is_front ? 3u : 1u, 2, is_front ? 1u : 3u};
+        for (unsigned c = 0; c < 4; ++c) {
+            polygon_.x[c] = k.x[order[c]];
+            polygon_.y[c] = k.y[order[c]];
+        }
+        if constexpr (is_lazy) {
+            // The plane is that of the larger half.
+            const std::int64_t one = std::abs(k.triangle(0, 1, 2).doubled_area()),
+                               other = std::abs(k.triangle(0, 2, 3).doubled_area());
+            SnappedTriangle t = one >= other ? k.triangle(0, 1, 2) : k.triangle(0, 2, 3);
+            if (is_front) t.flip();
+            DepthPlane& plane = polygon_.surface.depth = DepthPlane(t, std::max(one, other));
+            const auto [lowest, highest] = std::minmax({k.q[0], k.q[1], k.q[2], k.q[3]});
+            plane.lowest = lowest;
+            plane.highest = highest;
+        }
+        shade(r, is_front, nullptr);
+        tiler_.tile(target_, polygon_);
+    }
+
+    void draw_triangle(const PolygonRecord& r, const Corners& k, unsigned a, unsigned b, unsigned c,
+                       const Rgba8* colors) {
+        SnappedTriangle t = k.triangle(a, b, c);
+        const auto [low_x, high_x] = std::minmax({t.x[0], t.x[1], t.x[2]});
+        const auto [low_y, high_y] = std::minmax({t.y[0], t.y[1], t.y[2]});
+        if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
+        draw_triangle(r, t, colors);
+    }
+
+    void draw_triangle(const PolygonRecord& r, SnappedTriangle t, const Rgba8* colors) {
+        const std::int64_t area = t.doubled_area();
+        if (area == 0) return;
+        const bool is_front = area < 0;  // counter-clockwise, rows running downwards
+        if (!is_front && options_.culls_back_faces) return;
+        if (is_front) t.flip();
+        polygon_.corners = 3;
+        for (unsigned c = 0; c < 3; ++c) {
+            polygon_.x[c] = t.x[c];
+            polygon_.y[c] = t.y[c];
+        }
+        if constexpr (is_lazy) polygon_.surface.depth = DepthPlane(t, std::abs(area));
+        if (colors != nullptr) polygon_.surface.triangle = t;
+        shade(r, is_front, colors);
+        tiler_.tile(target_, polygon_);
+    }
+
+    bool holds_no_sample(std::int32_t low_x, std::int32_t high_x, std::int32_t low_y, std::int32_t high_y) const {
+        const std::int32_t x0 = (low_x + 127) >> 8, x1 = (high_x - 128) >> 8;
+        const std::int32_t y0 = (low_y + 127) >> 8, y1 = (high_y - 128) >> 8;
+        return x0 > x1 || y0 > y1 || x0 >= to_.end_x || y0 >= to_.end_y || x1 < to_.first_x || y1 < to_.first_y;
+    }
+
+    /// Null colors: the record's one. Else three, in the order that corners had before they were turned clockwise.
+    void shade(const PolygonRecord& r, bool is_front, const Rgba8* colors) {
+        Surface& s = polygon_.surface;
+        s.is_background = false;
+        s.is_perspective = to_.is_perspective;
+        s.is_flat = colors == nullptr;
+        s.colors = {r.color, r.color, r.color};
+        if (colors != nullptr) {
+            s.colors = {colors[0], colors[is_front ? 2 : 1], colors[is_front ? 1 : 2]};
+        }
+        s.is_solid = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
+        const auto corner = [&](unsigned c) { return glm::vec3(r.x[c], r.y[c], r.z[c]); };
+        if (!s.is_solid) s.hash = hash_of_triangle(corner(0), corner(1), corner(2));
+        if (const DirectionalLight* light = light_.light()) {
+            const glm::vec3 n = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+            const float brightness = light->brightness(is_front ? n : -n);
+            for (Rgba8& c : s.colors) c = scaled(c, brightness);
+        }
+    }
+
+    void draw_clipped(const PolygonStream& stream, const PolygonRecord& r) {
+        const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream.colors(r);
+        ClippedPolygon clipped;
+        for (unsigned c = 0; c < (r.is_triangle ? 3u : 4u); ++c) {
+            clipped.add({r.x[c], r.y[c], r.z[c]}, to_,
+                        colors == nullptr ? glm::vec4(0) : to_vec4(colors[c]));
+        }
+        clipped.clip(to_);
+        for (std::size_t i = 2; i < clipped.size(); ++i) {
+            SnappedTriangle t;
+            const std::size_t from[3] = {0, i - 1, i};
+            Rgba8 corner_colors[3];
+            for (unsigned c = 0; c < 3; ++c) {
+                clipped.snap(from[c], to_, t, c);
+                if (colors != nullptr) corner_colors[c] = to_rgba8(clipped[from[c]].color);
+            }
+            draw_triangle(r, t, colors == nullptr ? nullptr : corner_colors);
+        }
+    }
+
+    CoverageOptions options_;
+    LightInView light_;
+    CoverageTiler<Target> tiler_;
+    Target target_;
+    SampleProjection to_;
+    TilePolygon polygon_;  ///< the one at work
+    Silhouette silhouette_;
+    std::vector<std::unique_ptr<PolygonStream>> streams_;
+    Image image_;
+};
+
+/// Any hierarchy, any order.
+using CoverageRenderer = BasicCoverageRenderer<CoverageOrder::lazy>;
+/// Hierarchies that keep strict order: SpatialHierarchy<PolygonBsp, Exact, ...> and the like.
+using StrictCoverageRenderer = BasicCoverageRenderer<CoverageOrder::strict>;
+
+/// Strict where the hierarchy promises strict order, lazy elsewhere.
+template <class H, class Samples = PixelSamples<BoxFilter>>
+using CoverageRendererFor =
+    BasicCoverageRenderer<H::ordering == Ordering::primitives ? CoverageOrder::strict : CoverageOrder::lazy, Samples>;
+
+}  // namespace farfield

@@ -1,0 +1,37 @@
+// A light of the outermost hierarchy, seen from inside of instances.
+#pragma once
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+
+#include "farfield/geometry/light.hpp"
+#include "farfield/local_view.hpp"
+
+namespace farfield {
+
+class LightInView {
+  public:
+    explicit LightInView(const std::optional<DirectionalLight>& light) : given_(light) {}
+
+    /// The outermost hierarchy's view.
+    void begin_frame(const LocalView& view) {
+        if (!given_) return;
+        const glm::vec3 l = given_->towards;
+        in_view_ = {glm::dot(l, view.right), glm::dot(l, view.up), glm::dot(l, view.forward)};
+    }
+    void set_view(const LocalView& view) {
+        if (!given_) return;
+        light_ = *given_;
+        light_.towards = view.right * in_view_.x + view.up * in_view_.y + view.forward * in_view_.z;
+    }
+    /// In the axes of the view set last; null: there is none.
+    const DirectionalLight* light() const { return given_ ? &light_ : nullptr; }
+
+  private:
+    std::optional<DirectionalLight> given_;
+    DirectionalLight light_;
+    glm::vec3 in_view_{0};
+};
+
+}  // namespace farfield
