@@ -26,7 +26,10 @@ Image picture(R& renderer, std::span<const P> primitives, const View& view) {
     return renderer.image();
 }
 
-using LazyPoints = BasicCoverageRenderer<CoverageOrder::lazy, SinglePixels>;
+struct Points : LazyCoverage {
+    using samples = SinglePixels;
+};
+using LazyPoints = BasicCoverageRenderer<Points>;
 
 const std::vector<View>& views() {
     static const std::vector<View> all = [] {

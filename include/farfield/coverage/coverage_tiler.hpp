@@ -19,6 +19,9 @@
 #include <utility>
 
 #include "farfield/coverage/coverage_pyramid.hpp"
+#include "farfield/coverage/coverage_work.hpp"
+#include "farfield/coverage/edge_mask_table.hpp"
+#include "farfield/coverage/jitter.hpp"
 #include "farfield/coverage/lazy_depth.hpp"
 #include "farfield/coverage/mask_samples.hpp"
 #include "farfield/coverage/surface.hpp"
@@ -33,34 +36,49 @@ enum class CoverageOrder : std::uint8_t {
     lazy,    ///< any; nearly front to back costs little more than that
 };
 
-/// Cells of the pyramid visited in a frame, masks of samples included; samples are not counted.
-struct CoverageWork {
-    std::uint64_t polygons_tiled = 0;   ///< that were neither hidden by their bounding box nor without a sample
-    std::uint64_t cells_tiled = 0;      ///< visited for polygons
-    std::uint64_t cells_asked = 0;      ///< visited for questions whether a box is hidden
-    std::uint64_t masks_z_buffered = 0; ///< where polygons did not come front to back
+/// Where the masks of edges come from.
+enum class MaskSource : std::uint8_t {
+    exact,     ///< integer edge functions, many samples at a step
+    table,     ///< the paper's table of quantized edges (edge_mask_table.hpp): no faster, and off by some samples
+    jittered,  ///< exact, samples placed at random within their squares (jitter.hpp); depth is that of the centers
 };
 
-/// What polygons are tiled into. `Samples` takes what is seen, as mask_samples.hpp says.
-template <CoverageOrder order, class Samples>
+/// What a tiler is made of. Derive from one of these and hide what is to be different.
+struct LazyCoverage {
+    static constexpr CoverageOrder order = CoverageOrder::lazy;
+    static constexpr MaskSource masks = MaskSource::exact;
+    static constexpr std::size_t jitter_patterns = 16;
+    using samples = PixelSamples<BoxFilter>;  ///< or another filter, or SinglePixels: mask_samples.hpp
+    using work = CoverageWork;                ///< or CoverageWorkImage
+};
+struct StrictCoverage : LazyCoverage {
+    static constexpr CoverageOrder order = CoverageOrder::strict;
+};
+
+/// What polygons are tiled into.
+template <class Traits>
 struct CoverageTarget {
-    using samples_type = Samples;
-    static constexpr bool is_lazy = order == CoverageOrder::lazy;
+    using samples_type = typename Traits::samples;
+    static constexpr bool is_lazy = Traits::order == CoverageOrder::lazy;
+    static constexpr MaskSource masks = Traits::masks;
+    /// How far from its regular center a sample may be, 1/256 sample.
+    static constexpr int reach_of_samples = masks == MaskSource::jittered ? 128 : 0;
     struct Nothing {
         void begin(const CoveragePyramid&) {}
     };
 
     CoveragePyramid pyramid;
-    Samples samples;
+    samples_type samples;
     std::conditional_t<is_lazy, LazyDepth, Nothing> lazy;
-    CoverageWork work;
+    typename Traits::work work;
+    JitterPatterns patterns{masks == MaskSource::jittered ? Traits::jitter_patterns : 1};
     int first_x = 0, first_y = 0;  ///< the first sample, relative to the center sample
 
     void begin(int width_px, int height_px, int first_sample_x, int first_sample_y) {
-        pyramid.begin(width_px * Samples::samples_a_side, height_px * Samples::samples_a_side);
+        pyramid.begin(width_px * samples_type::samples_a_side, height_px * samples_type::samples_a_side);
         samples.begin(width_px, height_px);
         lazy.begin(pyramid);
-        work = {};
+        work.begin(pyramid);
         first_x = first_sample_x;
         first_y = first_sample_y;
     }
@@ -72,8 +90,7 @@ struct CoverageTarget {
             for (const std::size_t at : lazy.deep_places()) {
                 const std::size_t index = at / 64;
                 const int x = int(index % columns), y = int(index / columns);
-                samples.replace({index, x, y, 64 * x + first_x, 64 * y + first_y}, unsigned(at % 64),
-                                lazy.deep(at));
+                samples.replace({index, x, y, 64 * x + first_x, 64 * y + first_y}, unsigned(at % 64), lazy.deep(at));
             }
         }
         samples.resolve(image);
@@ -82,7 +99,6 @@ struct CoverageTarget {
 
 #define FARFIELD_LANES 1
 namespace one_lane {
-#include "farfield/coverage/mask_kernel.inl"
 #include "farfield/coverage/coverage_tiler.inl"
 }  // namespace one_lane
 #undef FARFIELD_LANES
@@ -90,7 +106,6 @@ namespace one_lane {
 #if defined(__x86_64__)
 #define FARFIELD_LANES 4
 namespace four_lanes {
-#include "farfield/coverage/mask_kernel.inl"
 #include "farfield/coverage/coverage_tiler.inl"
 }  // namespace four_lanes
 #undef FARFIELD_LANES
@@ -103,7 +118,6 @@ namespace four_lanes {
 #endif
 #define FARFIELD_LANES 8
 namespace eight_lanes {
-#include "farfield/coverage/mask_kernel.inl"
 #include "farfield/coverage/coverage_tiler.inl"
 }  // namespace eight_lanes
 #undef FARFIELD_LANES
@@ -118,7 +132,6 @@ namespace eight_lanes {
 #endif
 #define FARFIELD_LANES 16
 namespace sixteen_lanes {
-#include "farfield/coverage/mask_kernel.inl"
 #include "farfield/coverage/coverage_tiler.inl"
 }  // namespace sixteen_lanes
 #undef FARFIELD_LANES

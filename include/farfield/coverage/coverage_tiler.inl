@@ -1,5 +1,5 @@
 // Listing 1 of Greene 1996, once for each instruction set: see coverage_tiler.hpp. No include guard; expects
-// mask_kernel.inl before it and to stand inside a namespace of its own.
+// FARFIELD_LANES (1, 4, 8 or 16) and to stand inside a namespace of its own.
 //
 // An edge is an integer function E(i, j) = e + 256 (a i + b j) of samples, 0 or more inside, e at the first sample of
 // the cell in question. Of a subcell of s x s samples, E is least and greatest in corners: with low = min(a, 0) +
@@ -7,11 +7,19 @@
 // rounded down. So the 64 numbers a i + b j serve every level, and a mask is one comparison of them with a base. That
 // is exact, where the paper's table of edges quantized to 64 intervals a side is not.
 
+#include "farfield/coverage/mask_kernel.inl"
+
 template <class Target>
 class Tiler {
   public:
+    /// With `grown_by`, as if grown by so many 1/256 samples.
     Tiler(Target& target, const TilePolygon& polygon, int grown_by = 0)
-        : target_(target), pyramid_(target.pyramid), polygon_(polygon), surface_(polygon.surface), nearest_q_(polygon.surface.depth.highest) {
+        : target_(target),
+          pyramid_(target.pyramid),
+          polygon_(polygon),
+          surface_(polygon.surface),
+          nearest_q_(polygon.surface.depth.highest) {
+        grown_by += Target::reach_of_samples;
         // Samples i with 256 i + 128 inside [lowest, highest].
         std::int32_t low_x = polygon.x[0], high_x = low_x, low_y = polygon.y[0], high_y = low_y;
         for (int c = 1; c < polygon.corners; ++c) {
@@ -164,7 +172,8 @@ class Tiler {
         edges.count = edge_count_;
         for (int n = 0; n < edge_count_; ++n) {
             const auto at = std::size_t(n);
-            const std::int64_t e = e_[at] + ((std::int64_t(a_[at]) * x + std::int64_t(b_[at]) * y) << (8 + 3 * (level + 1)));
+            const std::int64_t e =
+                e_[at] + ((std::int64_t(a_[at]) * x + std::int64_t(b_[at]) * y) << (8 + 3 * (level + 1)));
             edges.edge[at] = std::uint8_t(n);
             edges.e[at] = std::clamp(e, -limit, limit);
         }
@@ -178,23 +187,32 @@ class Tiler {
             if ((t.crossed[std::size_t(n)] >> k & 1) == 0) continue;
             const std::uint8_t edge = t.edges.edge[std::size_t(n)];
             edges.edge[std::size_t(edges.count)] = edge;
-            edges.e[std::size_t(edges.count++)] = t.edges.e[std::size_t(n)] + (std::int64_t(values_[edge][k]) << (8 + 3 * level));
+            edges.e[std::size_t(edges.count++)] =
+                t.edges.e[std::size_t(n)] + (std::int64_t(values_[edge][k]) << (8 + 3 * level));
         }
         return edges;
     }
 
     /// The polygon's mask in a cell; false: it lies outside. "Composite the edge masks" (section 3, operation 1).
     bool triage(int level, const Edges& in, Triage& out) const {
-        const int shift = 8 + 3 * level;
-        const std::int64_t reach = (std::int64_t(256) << (3 * level)) - 256;
         for (int n = 0; n < in.count; ++n) {
             const std::uint8_t edge = in.edge[std::size_t(n)];
             const std::int64_t e = in.e[std::size_t(n)];
-            const auto most = std::int32_t((e + reach * high(edge)) >> shift);
-            const std::uint64_t possible = MaskKernel::greater(values_[edge], ~most);
+            std::uint64_t possible, covered;
+            if constexpr (Target::masks == MaskSource::table) {
+                const TriageMask mask = EdgeMaskTable::instance().triage(e, a_[edge], b_[edge], 3 * level);
+                possible = ~mask.vacant;
+                covered = mask.covered;
+            } else {
+                const int shift = 8 + 3 * level;
+                const std::int64_t reach = (std::int64_t(256) << (3 * level)) - 256;
+                const std::int64_t slack = Target::masks == MaskSource::jittered ? jitter_slack(a_[edge], b_[edge]) : 0;
+                const auto most = std::int32_t((e + reach * high(edge) + slack) >> shift);
+                const auto least = std::int32_t((e + reach * low(edge) - slack) >> shift);
+                possible = MaskKernel::greater(values_[edge], ~most);
+                covered = MaskKernel::greater(values_[edge], ~least);
+            }
             if (possible == 0) return false;
-            const auto least = std::int32_t((e + reach * low(edge)) >> shift);
-            const std::uint64_t covered = MaskKernel::greater(values_[edge], ~least);
             out.possible &= possible;
             if (covered == all_subcells) continue;
             out.covered &= covered;
@@ -206,16 +224,26 @@ class Tiler {
         return true;
     }
 
-    /// Samples of mask k of a block that lie inside of an edge whose value at the block's first sample is e.
-    std::uint64_t samples_inside(std::uint8_t edge, std::int64_t e, unsigned k) const {
-        // The edge crosses the block: e is below 2^38, for |a| + |b| < 2^24.
-        return MaskKernel::greater(values_[edge], ~(std::int32_t(e >> 8) + values_[edge][k] * 8));
+    /// Samples of mask k of block (x, y) that lie inside of an edge whose value at the block's first sample is e.
+    std::uint64_t samples_inside(std::uint8_t edge, std::int64_t e, int x, int y, unsigned k) const {
+        if constexpr (Target::masks == MaskSource::exact) {
+            // The edge crosses the block: e is below 2^38, for |a| + |b| < 2^24.
+            return MaskKernel::greater(values_[edge], ~(std::int32_t(e >> 8) + values_[edge][k] * 8));
+        } else {
+            const std::int64_t at_first = e + std::int64_t(values_[edge][k]) * 2048;
+            if constexpr (Target::masks == MaskSource::table) {
+                return EdgeMaskTable::instance().samples(at_first, a_[edge], b_[edge]);
+            } else {
+                return samples(target_.patterns.pattern_of(8 * x + int(k % 8), 8 * y + int(k / 8)), at_first, a_[edge],
+                               b_[edge]);
+            }
+        }
     }
 
     // --- tiling
 
     bool tile_cell(int level, int x, int y, const Edges& in) {
-        ++target_.work.cells_tiled;
+        target_.work.tiles(level, x, y);
         Triage t;
         if (!triage(level, in, t)) return false;
         const std::size_t at = pyramid_.index(level, x, y);
@@ -264,7 +292,7 @@ class Tiler {
     }
 
     bool tile_block(int x, int y, const Edges& in) {
-        ++target_.work.cells_tiled;
+        target_.work.tiles(1, x, y);
         Triage t;
         if (!triage(1, in, t)) return false;
         block_ = block_at(x, y);
@@ -311,7 +339,7 @@ class Tiler {
 
     /// By how many edges cross them: for large polygons nearly all masks have one, and in a mesh many have none.
     void tile_masks(const Triage& t, std::uint64_t active) {
-        target_.work.cells_tiled += std::uint64_t(MaskKernel::count(active));
+        target_.work.tiles_masks(block_.x, block_.y, active, MaskKernel::count(active));
         std::uint64_t crossed = 0, several = 0;
         for (int n = 0; n < t.edges.count; ++n) {
             several |= crossed & t.crossed[std::size_t(n)];
@@ -325,7 +353,7 @@ class Tiler {
             const std::int64_t e = t.edges.e[std::size_t(n)];
             for (std::uint64_t left = active & t.crossed[std::size_t(n)] & ~several; left != 0; left &= left - 1) {
                 const auto k = unsigned(std::countr_zero(left));
-                tile_mask(k, samples_inside(edge, e, k));
+                tile_mask(k, samples_inside(edge, e, block_.x, block_.y, k));
             }
         }
         for (std::uint64_t left = active & several; left != 0; left &= left - 1) {
@@ -333,7 +361,8 @@ class Tiler {
             std::uint64_t inside = all_subcells;
             for (int n = 0; n < t.edges.count; ++n) {
                 if ((t.crossed[std::size_t(n)] >> k & 1) == 0) continue;
-                inside &= samples_inside(t.edges.edge[std::size_t(n)], t.edges.e[std::size_t(n)], k);
+                inside &=
+                    samples_inside(t.edges.edge[std::size_t(n)], t.edges.e[std::size_t(n)], block_.x, block_.y, k);
             }
             tile_mask(k, inside);
         }
@@ -373,7 +402,8 @@ class Tiler {
         return pyramid_.samples_outside(8 * block_.x + int(k % 8), 8 * block_.y + int(k / 8));
     }
     std::uint64_t hashed_samples(unsigned k) const {
-        return surface_.hashed_samples(block_.sample_x_of(k), block_.sample_y_of(k), Target::samples_type::shades_samples);
+        return surface_.hashed_samples(block_.sample_x_of(k), block_.sample_y_of(k),
+                                       Target::samples_type::shades_samples);
     }
 
     /// "Whenever this occurs, we propagate coverage information to coarser levels" (section 3.1).
@@ -469,7 +499,8 @@ class Tiler {
         for (std::uint64_t left = inside; left != 0; left &= left - 1) {
             const auto k = unsigned(std::countr_zero(left));
             set_farthest(cell, k, extremes_);
-            if (level > 1) lazy.block(pyramid_.index(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8))).covered_by = index_;
+            if (level > 1)
+                lazy.block(pyramid_.index(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8))).covered_by = index_;
         }
         if (level == 1) {
             target_.samples.open_block(block_at(x, y));
@@ -536,8 +567,7 @@ class Tiler {
                 const float q = surface.depth.inside(row + columns[i]);
                 const bool is_open = (open >> i & 1) != 0;
                 if (!is_open && q < depth) continue;
-                const Rgba8 c =
-                    Target::samples_type::shades_samples ? surface.seen_color_at(x + int(i), y + j) : pixel;
+                const Rgba8 c = Target::samples_type::shades_samples ? surface.seen_color_at(x + int(i), y + j) : pixel;
                 if (!is_open && q == depth && std::bit_cast<std::uint32_t>(c) <= std::bit_cast<std::uint32_t>(color)) {
                     continue;
                 }
@@ -561,16 +591,18 @@ class Tiler {
     // --- asking
 
     /// "Returning TRUE whenever a polygon's mask indicates that it covers a vacant subcell or a vacant grid point"
-    /// (section 5.2). A subcell that is covered, but not by something nearer throughout, counts as one where it is seen.
+    /// (section 5.2). A subcell that is covered, but not by something nearer throughout, counts as one where it is
+    /// seen.
     bool sees_cell(int level, int x, int y, const Edges& in) {
-        ++target_.work.cells_asked;
+        target_.work.asks(level, x, y);
         Triage t;
         if (!triage(level, in, t)) return false;
         const std::size_t at = pyramid_.index(level, x, y);
         const TriageMask cell = pyramid_[at];
         std::uint64_t hidden = cell.covered;
         if constexpr (is_lazy) {
-            if (hidden != 0 && !pyramid_.is_untouched(at)) hidden &= MaskKernel::less(asked_q_.q.data(), target_.lazy.farthest(at).q.data());
+            if (hidden != 0 && !pyramid_.is_untouched(at))
+                hidden &= MaskKernel::less(asked_q_.q.data(), target_.lazy.farthest(at).q.data());
         }
         const std::uint64_t possible = t.possible & box_in(level, x, y) & ~hidden;
         if (possible == 0) return false;
@@ -583,12 +615,12 @@ class Tiler {
                 if (sees_cell(level - 1, child_x, child_y, edges_in(t, k, level))) return true;
                 continue;
             }
-            ++target_.work.cells_asked;
+            target_.work.asks(0, child_x, child_y);
             std::uint64_t inside =
                 ~((cell.vacant >> k & 1) != 0 ? pyramid_.samples_outside(child_x, child_y) : masks[k]);
             for (int n = 0; n < t.edges.count && inside != 0; ++n) {
                 if ((t.crossed[std::size_t(n)] >> k & 1) == 0) continue;
-                inside &= samples_inside(t.edges.edge[std::size_t(n)], t.edges.e[std::size_t(n)], k);
+                inside &= samples_inside(t.edges.edge[std::size_t(n)], t.edges.e[std::size_t(n)], x, y, k);
             }
             if (inside != 0) return true;
         }
@@ -605,7 +637,7 @@ class Tiler {
     std::array<Start, 4> cells_;
     int edge_count_ = 0;
     std::array<std::int32_t, most_edges> a_, b_;
-    std::array<std::int64_t, most_edges> e_;  ///< at the image's first sample
+    std::array<std::int64_t, most_edges> e_;           ///< at the image's first sample
     alignas(64) std::int32_t values_[most_edges][64];  ///< a i + b j
 
     // The block at work.

@@ -42,9 +42,9 @@ class LazyDepth {
 
     /// What has been drawn into a block, where it has been opened.
     struct Block {
-        std::uint64_t deep = no_subcells;   ///< masks that are z-buffered
-        std::uint32_t whole_masks = none;   ///< fragments: surfaces that covered masks all at once
-        std::uint32_t covered_by = none;    ///< the surface that covered all of a cell at once; the rest is not valid
+        std::uint64_t deep = no_subcells;  ///< masks that are z-buffered
+        std::uint32_t whole_masks = none;  ///< fragments: surfaces that covered masks all at once
+        std::uint32_t covered_by = none;   ///< the surface that covered all of a cell at once; the rest is not valid
     };
 
     void begin(const CoveragePyramid& pyramid) {

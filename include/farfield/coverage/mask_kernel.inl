@@ -6,9 +6,10 @@ struct MaskKernel {
     static std::uint64_t greater(const std::int32_t* v, std::int32_t threshold) {
 #if FARFIELD_LANES == 16
         const __m512i t = _mm512_set1_epi32(threshold);
-        return joined(
-            _mm512_cmpgt_epi32_mask(_mm512_load_si512(v), t), _mm512_cmpgt_epi32_mask(_mm512_load_si512(v + 16), t),
-            _mm512_cmpgt_epi32_mask(_mm512_load_si512(v + 32), t), _mm512_cmpgt_epi32_mask(_mm512_load_si512(v + 48), t));
+        return joined(_mm512_cmpgt_epi32_mask(_mm512_load_si512(v), t),
+                      _mm512_cmpgt_epi32_mask(_mm512_load_si512(v + 16), t),
+                      _mm512_cmpgt_epi32_mask(_mm512_load_si512(v + 32), t),
+                      _mm512_cmpgt_epi32_mask(_mm512_load_si512(v + 48), t));
 #elif FARFIELD_LANES == 8
         const __m256i t = _mm256_set1_epi32(threshold);
         std::uint64_t mask = 0;
@@ -77,8 +78,7 @@ struct MaskKernel {
         const __m128 low = _mm_set1_ps(lowest), high = _mm_set1_ps(highest);
         for (unsigned k = 0; k < 16; ++k) {
             const __m128 sum = _mm_add_ps(_mm_set1_ps(rows[k / 2]), _mm_load_ps(columns + k % 2 * 4));
-            const __m128 is_below =
-                _mm_cmplt_ps(_mm_min_ps(_mm_max_ps(sum, low), high), _mm_load_ps(limits + 4 * k));
+            const __m128 is_below = _mm_cmplt_ps(_mm_min_ps(_mm_max_ps(sum, low), high), _mm_load_ps(limits + 4 * k));
             mask |= std::uint64_t(std::uint32_t(_mm_movemask_ps(is_below))) << (4 * k);
         }
 #else

@@ -68,8 +68,8 @@ class PixelSamples {
         }
     }
     /// Some samples of mask k, `count` of them; `is_first`: of none other in this frame.
-    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, const Surface& surface,
-             bool is_first) {
+    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count,
+                             const Surface& surface, bool is_first) {
         add(block, k, samples, count, color_of(block, k, surface), is_first);
     }
     /// Takes back what add() or cover_masks() did, as if it had not been the first: lazy z-buffering will say it anew.
@@ -94,7 +94,8 @@ class PixelSamples {
         return surface.is_flat ? surface.seen_color()
                                : surface.seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
     }
-    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, Rgba8 color, bool is_first) {
+    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, Rgba8 color,
+                             bool is_first) {
         if constexpr (has_blocks) {
             filter_.add_at(64 * block.index + k, count, color, is_first);
         } else {
@@ -122,7 +123,8 @@ class SinglePixels {
             add(block, unsigned(std::countr_zero(masks)), all_subcells, 64, surface, true);
         }
     }
-    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int, const Surface& surface, bool) {
+    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int, const Surface& surface,
+                             bool) {
         const std::size_t at = place(block, k);
         if (surface.is_flat) return pixels_.add(at, samples, surface.seen_color());
         for (; samples != 0; samples &= samples - 1) {

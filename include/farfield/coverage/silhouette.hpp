@@ -55,8 +55,7 @@ struct Silhouette {
         const auto add = [&](Point p, std::size_t floor) {
             while (n >= floor + 2) {
                 const Point a = hull[n - 2], b = hull[n - 1];
-                const std::int64_t turn =
-                    std::int64_t(b.x - a.x) * (p.y - b.y) - std::int64_t(b.y - a.y) * (p.x - b.x);
+                const std::int64_t turn = std::int64_t(b.x - a.x) * (p.y - b.y) - std::int64_t(b.y - a.y) * (p.x - b.x);
                 if (turn > 0) break;
                 --n;
             }

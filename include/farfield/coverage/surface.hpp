@@ -18,9 +18,9 @@ struct Surface {
     DepthPlane depth;
     SnappedTriangle triangle{};   ///< clockwise; what colors vary over
     std::array<Rgba8, 3> colors;  ///< all the same where it is flat
-    std::uint32_t hash = 0;        ///< chooses samples where alpha is below 255
-    bool is_flat = true;           ///< of one color
-    bool is_solid = true;          ///< alpha is 255 everywhere: covers every sample that it lies on
+    std::uint32_t hash = 0;       ///< chooses samples where alpha is below 255
+    bool is_flat = true;          ///< of one color
+    bool is_solid = true;         ///< alpha is 255 everywhere: covers every sample that it lies on
     bool is_perspective = true;
     bool is_background = false;  ///< keeps its alpha, and covers whatever that is
 

@@ -36,10 +36,12 @@ struct CoverageOptions {
 /// taken once a pixel. Primitives with alpha below 255 cover that part of the samples, chosen as ZBufferRenderer does.
 ///
 /// `strict` wants primitives front to back, and hierarchies that promise it: nothing is compared, nothing is written
-/// twice. `lazy` takes any order and gives the samples of a z-buffer; what comes nearly front to back costs little more.
-template <CoverageOrder coverage_order, class Samples = PixelSamples<BoxFilter>>
+/// twice. `lazy` takes any order and gives the samples of a z-buffer; what comes nearly front to back costs little
+/// more.
+template <class Traits>
 class BasicCoverageRenderer {
-    static constexpr bool is_lazy = coverage_order == CoverageOrder::lazy;
+    static constexpr bool is_lazy = Traits::order == CoverageOrder::lazy;
+    static constexpr int samples_a_side = Traits::samples::samples_a_side;
 
   public:
     static constexpr RendererFacts facts{
@@ -54,7 +56,7 @@ class BasicCoverageRenderer {
 
     const Image& image() const { return image_; }
     /// Of the last frame.
-    const CoverageWork& work() const { return target_.work; }
+    const typename Traits::work& work() const { return target_.work; }
     /// Of the coverage pyramid: 1 2/63 bits a sample where the image's sides are powers of 8.
     std::size_t pyramid_bytes() const { return target_.pyramid.bytes(); }
 
@@ -70,17 +72,17 @@ class BasicCoverageRenderer {
 
     /// Throws std::invalid_argument for images of no or too many samples: 31,000 on a side.
     void begin_frame(const LocalView& view) {
-        constexpr int side = Samples::samples_a_side, limit = 31000 / side;
+        constexpr int limit = 31000 / samples_a_side;
         if (view.width < 1 || view.height < 1 || view.width > limit || view.height > limit) {
-            throw std::invalid_argument("farfield::CoverageRenderer: an image must have 1 to " +
-                                        std::to_string(limit) + " pixels on a side");
+            throw std::invalid_argument("farfield::CoverageRenderer: an image must have 1 to " + std::to_string(limit) +
+                                        " pixels on a side");
         }
-        to_ = SampleProjection(view, side);
+        to_ = SampleProjection(view, samples_a_side);
         target_.begin(view.width, view.height, to_.first_x, to_.first_y);
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
-        to_ = SampleProjection(view, Samples::samples_a_side);
+        to_ = SampleProjection(view, samples_a_side);
         light_.set_view(view);
     }
     /// "We composite a screen-sized polygon of the desired background color, thereby tiling all remaining vacant
@@ -97,9 +99,10 @@ class BasicCoverageRenderer {
         constexpr float infinity = std::numeric_limits<float>::infinity();
         polygon_.surface.depth.at_corner = -infinity;
         polygon_.surface.depth.lowest = polygon_.surface.depth.highest = -infinity;
-        const CoverageWork work = target_.work;
+        auto work = std::move(target_.work);
+        target_.work.begin(target_.pyramid);
         tiler_.tile(target_, polygon_);
-        target_.work = work;
+        target_.work = std::move(work);
         target_.resolve(image_);
     }
 
@@ -124,7 +127,7 @@ class BasicCoverageRenderer {
     }
 
   private:
-    using Target = CoverageTarget<coverage_order, Samples>;
+    using Target = CoverageTarget<Traits>;
 
     void draw(const PolygonStream& stream, const PolygonRecord& r) {
         float x[4], y[4], q[4];
@@ -233,8 +236,9 @@ class BasicCoverageRenderer {
     }
 
     bool holds_no_sample(std::int32_t low_x, std::int32_t high_x, std::int32_t low_y, std::int32_t high_y) const {
-        const std::int32_t x0 = (low_x + 127) >> 8, x1 = (high_x - 128) >> 8;
-        const std::int32_t y0 = (low_y + 127) >> 8, y1 = (high_y - 128) >> 8;
+        constexpr int reach = Target::reach_of_samples;
+        const std::int32_t x0 = (low_x - reach + 127) >> 8, x1 = (high_x + reach - 128) >> 8;
+        const std::int32_t y0 = (low_y - reach + 127) >> 8, y1 = (high_y + reach - 128) >> 8;
         return x0 > x1 || y0 > y1 || x0 >= to_.end_x || y0 >= to_.end_y || x1 < to_.first_x || y1 < to_.first_y;
     }
 
@@ -262,8 +266,7 @@ class BasicCoverageRenderer {
         const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream.colors(r);
         ClippedPolygon clipped;
         for (unsigned c = 0; c < (r.is_triangle ? 3u : 4u); ++c) {
-            clipped.add({r.x[c], r.y[c], r.z[c]}, to_,
-                        colors == nullptr ? glm::vec4(0) : to_vec4(colors[c]));
+            clipped.add({r.x[c], r.y[c], r.z[c]}, to_, colors == nullptr ? glm::vec4(0) : to_vec4(colors[c]));
         }
         clipped.clip(to_);
         for (std::size_t i = 2; i < clipped.size(); ++i) {
@@ -290,13 +293,13 @@ class BasicCoverageRenderer {
 };
 
 /// Any hierarchy, any order.
-using CoverageRenderer = BasicCoverageRenderer<CoverageOrder::lazy>;
+using CoverageRenderer = BasicCoverageRenderer<LazyCoverage>;
 /// Hierarchies that keep strict order: SpatialHierarchy<PolygonBsp, Exact, ...> and the like.
-using StrictCoverageRenderer = BasicCoverageRenderer<CoverageOrder::strict>;
+using StrictCoverageRenderer = BasicCoverageRenderer<StrictCoverage>;
 
 /// Strict where the hierarchy promises strict order, lazy elsewhere.
-template <class H, class Samples = PixelSamples<BoxFilter>>
+template <class H>
 using CoverageRendererFor =
-    BasicCoverageRenderer<H::ordering == Ordering::primitives ? CoverageOrder::strict : CoverageOrder::lazy, Samples>;
+    std::conditional_t<H::ordering == Ordering::primitives, StrictCoverageRenderer, CoverageRenderer>;
 
 }  // namespace farfield
