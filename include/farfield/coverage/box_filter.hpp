@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <glm/vec4.hpp>
 #include <vector>
 
 #include "farfield/coverage/pixel_blocks.hpp"
@@ -69,6 +70,12 @@ class BoxFilter {
     /// `count` samples of a pixel of an open block.
     void add_at(std::size_t index, int count, Rgba8 premultiplied, bool first) {
         sums_[index] = (first ? 0 : sums_[index]) + spread(premultiplied) * std::uint64_t(count);
+    }
+    /// Adds to a pixel of an open block what is no sample: channels are of 0 to 255 * 64, and rounded down; all sums
+    /// must stay below that.
+    void add_sum(std::size_t index, glm::vec4 sum) {
+        sums_[index] +=
+            std::uint64_t(sum.r) | std::uint64_t(sum.g) << 16 | std::uint64_t(sum.b) << 32 | std::uint64_t(sum.a) << 48;
     }
     /// All samples of some pixels of an open block.
     void fill_pixels(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {

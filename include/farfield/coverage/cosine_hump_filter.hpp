@@ -35,22 +35,13 @@ class CosineHumpFilter {
 
     /// Some samples of a pixel of the image; bit 8 * row + column.
     void add(int x, int y, std::uint64_t samples, Rgba8 premultiplied, bool /*first*/) {
-        detail::CosineHump::Weights upper, lower;
-        for (unsigned j = 0; j < 4; ++j) {
-            const auto& row = detail::cosine_hump.rows[j];
-            const auto &from_top = row[samples >> 8 * j & 255], &from_bottom = row[samples >> (56 - 8 * j) & 255];
-            for (int k = 0; k < 8; ++k) {
-                upper.of[k] = std::uint16_t(upper.of[k] + from_top.of[k]);
-                lower.of[k] = std::uint16_t(lower.of[k] + from_bottom.of[k]);
-            }
-        }
-        const Sum color = sum_of(premultiplied);
-        Sum *own = sum_at(x, y), *above = own - stride_, *below = own + stride_;
-        for (int k = 0; k < 3; ++k) {
-            accumulate(above[k - 1], color, float(upper.of[k + 3]));
-            accumulate(own[k - 1], color, float(upper.of[k] + lower.of[k]));
-            accumulate(below[k - 1], color, float(lower.of[k + 3]));
-        }
+        convolve(x, y, samples, sum_of(premultiplied));
+    }
+    /// Takes back samples that came with this color, which leaves no trace: sums are whole numbers.
+    void remove(int x, int y, std::uint64_t samples, Rgba8 premultiplied) {
+        Sum color = sum_of(premultiplied);
+        for (float& channel : color) channel = -channel;
+        convolve(x, y, samples, color);
     }
 
     /// All samples of a rectangle of pixels. It may reach beyond the right and the lower border, and ends there.
@@ -117,6 +108,23 @@ class CosineHumpFilter {
   private:
     using Sum = std::array<float, 4>;
 
+    void convolve(int x, int y, std::uint64_t samples, const Sum& color) {
+        detail::CosineHump::Weights upper, lower;
+        for (unsigned j = 0; j < 4; ++j) {
+            const auto& row = detail::cosine_hump.rows[j];
+            const auto &from_top = row[samples >> 8 * j & 255], &from_bottom = row[samples >> (56 - 8 * j) & 255];
+            for (int k = 0; k < 8; ++k) {
+                upper.of[k] = std::uint16_t(upper.of[k] + from_top.of[k]);
+                lower.of[k] = std::uint16_t(lower.of[k] + from_bottom.of[k]);
+            }
+        }
+        Sum *own = sum_at(x, y), *above = own - stride_, *below = own + stride_;
+        for (int k = 0; k < 3; ++k) {
+            accumulate(above[k - 1], color, float(upper.of[k + 3]));
+            accumulate(own[k - 1], color, float(upper.of[k] + lower.of[k]));
+            accumulate(below[k - 1], color, float(lower.of[k + 3]));
+        }
+    }
     static Sum sum_of(Rgba8 c) { return {float(c.r), float(c.g), float(c.b), float(c.a)}; }
     static void accumulate(Sum& sum, const Sum& color, float weight) {
         for (unsigned i = 0; i < 4; ++i) sum[i] += color[i] * weight;

@@ -370,11 +370,23 @@ class Tiler {
 
     /// "W = P & ~C; C' = C | P" (section 3).
     FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
-        if (!surface_.is_solid) inside &= hashed_samples(k);
+        if (!surface_.is_solid && !surface_.is_deposit) inside &= hashed_samples(k);
         const bool is_vacant = (cell_.vacant >> k & 1) != 0;
         std::uint64_t covered = is_vacant ? samples_outside(k) : masks_[k];
         if constexpr (is_lazy) {
             if ((cell_.covered >> k & 1) != 0) covered = all_subcells;
+        }
+        if constexpr (Target::samples_type::takes_deposits) {
+            if (surface_.is_deposit) {
+                const std::uint64_t seen = inside & ~covered;
+                if (seen == 0) return;
+                const float part = float(MaskKernel::count(inside)) * (1.0f / 64);
+                const float share = float(MaskKernel::count(seen)) / float(MaskKernel::count(inside));
+                if (!target_.samples.deposit(block_, k, part, share, surface_)) return;
+                inside = ~covered;  // what the deposits have closed is covered, by nothing more
+            }
+        }
+        if constexpr (is_lazy) {
             const std::uint64_t deep = target_.lazy.block(block_.index).deep;
             if (((((inside & covered) != 0 ? ~behind_ : 0) | deep) & ~cell_.vacant & bit_of(k)) != 0) {
                 return tile_deep_mask(k, inside, covered);

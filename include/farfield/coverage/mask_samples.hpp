@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "farfield/coverage/box_filter.hpp"
+#include "farfield/coverage/far_pixels.hpp"
 #include "farfield/coverage/lazy_depth.hpp"
 #include "farfield/coverage/point_samples.hpp"
 #include "farfield/coverage/surface.hpp"
@@ -38,7 +39,12 @@ class PixelSamples {
     static constexpr int samples_a_side = 8;
     static constexpr bool shades_samples = false;  ///< one color a surface and pixel
 
-    void begin(int width_px, int height_px) { filter_.begin(width_px, height_px); }
+    static constexpr bool takes_deposits = requires(Filter f) { f.add_sum(0, glm::vec4()); };
+
+    void begin(int width_px, int height_px) {
+        filter_.begin(width_px, height_px);
+        if constexpr (takes_deposits) far_.begin(std::size_t((width_px + 7) / 8) * std::size_t((height_px + 7) / 8));
+    }
 
     /// Masks of a block will be written one by one.
     FARFIELD_INLINE void open_block(const MaskBlock& block) {
@@ -46,6 +52,12 @@ class PixelSamples {
     }
     /// All samples of a block, of which none has been seen, of a flat surface.
     FARFIELD_INLINE void cover_block(const MaskBlock& block, const Surface& surface) {
+        if constexpr (takes_deposits) {
+            if (far_.touched(block.index) != 0) {
+                open_block(block);
+                return cover_masks(block, all_subcells, surface);
+            }
+        }
         if constexpr (has_blocks) {
             filter_.fill_block(block.index, surface.seen_color());
         } else {
@@ -54,6 +66,12 @@ class PixelSamples {
     }
     /// All samples of some masks.
     FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        if constexpr (takes_deposits) {
+            for (std::uint64_t left = masks & far_.touched(block.index); left != 0; left &= left - 1) {
+                add(block, unsigned(std::countr_zero(left)), all_subcells, 64, surface, true);
+            }
+            masks &= ~far_.touched(block.index);
+        }
         if (surface.is_flat) {
             if constexpr (has_blocks) {
                 filter_.fill_pixels(block.index, masks, surface.seen_color());
@@ -72,6 +90,11 @@ class PixelSamples {
                              const Surface& surface, bool is_first) {
         add(block, k, samples, count, color_of(block, k, surface), is_first);
     }
+    /// A surface of the far field over the part `inside` of mask k, of which the part `seen` is not behind geometry.
+    /// True: nothing gets through any more.
+    bool deposit(const MaskBlock& block, unsigned k, float inside, float seen, const Surface& surface) {
+        return far_.deposit(64 * block.index + k, inside, seen, surface.loss, surface.far_rgb);
+    }
     /// Takes back what add() or cover_masks() did, as if it had not been the first: lazy z-buffering will say it anew.
     void remove(const MaskBlock& block, unsigned k, std::uint64_t samples, const Surface& surface) {
         if constexpr (!has_blocks) {
@@ -85,7 +108,14 @@ class PixelSamples {
         }
     }
 
-    void resolve(Image& image) const { filter_.resolve(image); }
+    void resolve(Image& image) {
+        if constexpr (takes_deposits) {
+            far_.for_touched([&](std::size_t at, glm::vec3 rgb, float alpha) {
+                filter_.add_sum(at, glm::vec4(rgb, alpha) * (255.0f * 64));
+            });
+        }
+        filter_.resolve(image);
+    }
 
   private:
     static constexpr bool has_blocks = requires(Filter f) { f.open_block(0); };
@@ -96,6 +126,9 @@ class PixelSamples {
     }
     FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, Rgba8 color,
                              bool is_first) {
+        if constexpr (takes_deposits) {
+            if ((far_.touched(block.index) >> k & 1) != 0) color = far_.behind(64 * block.index + k, color);
+        }
         if constexpr (has_blocks) {
             filter_.add_at(64 * block.index + k, count, color, is_first);
         } else {
@@ -104,6 +137,7 @@ class PixelSamples {
     }
 
     Filter filter_;
+    FarPixels far_;
 };
 
 /// A sample is a pixel, a mask 8 x 8 of them.
@@ -111,6 +145,7 @@ class SinglePixels {
   public:
     static constexpr int samples_a_side = 1;
     static constexpr bool shades_samples = true;
+    static constexpr bool takes_deposits = false;
 
     void begin(int width_px, int height_px) { pixels_.begin(width_px, height_px); }
 

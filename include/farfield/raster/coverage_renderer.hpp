@@ -25,11 +25,23 @@
 
 namespace farfield {
 
+/// How far-field cells meet masks.
+enum class FarCoverage : std::uint8_t {
+    /// By the area law, a transmittance a pixel on top of the masks: sheets stay whole, leaves overlap as leaves do.
+    /// For box-filtered images; others take `samples`.
+    area_law,
+    /// Opacity is a part of the 64 samples, chosen anew for every cell and pixel: good for leaves, bad for single
+    /// sheets,
+    /// which neighbors then cover with holes.
+    samples,
+};
+
 struct CoverageOptions {
     Rgba8 background{0, 0, 0, 0};             ///< premultiplied
     std::optional<DirectionalLight> light{};  ///< in the outermost hierarchy's axes; none: colors as they are
     bool culls_back_faces = false;            ///< for closed surfaces that are counter-clockwise seen from outside
     Simd simd = Simd::automatic;              ///< all give the same picture
+    FarCoverage far_coverage = FarCoverage::area_law;
 };
 
 /// Draws what a Viewer hands over; the picture is image() after the frame. Colors that differ over a primitive are
@@ -48,6 +60,8 @@ class BasicCoverageRenderer {
         .order = Order::front_to_back,
         .needs_ordering = is_lazy ? Ordering::none : Ordering::primitives,
         .keeps_sources = true,
+        .draws_faces = is_lazy,
+        .draws_splats = is_lazy,
         .answers_hidden = true,
     };
 
@@ -117,6 +131,15 @@ class BasicCoverageRenderer {
             }
         }
     }
+
+    void draw(std::span<const Face> faces) requires(is_lazy) {
+        for (const Face& face : faces) draw(face);
+    }
+    void draw(std::span<const Splat> splats) requires(is_lazy) {
+        for (const Splat& splat : splats) draw(splat);
+    }
+    /// A pixel or two: an upright rectangle is all the shape that shows.
+    float largest_splat_px() const { return 2.0f; }
 
     /// Asked front to back: hidden behind what was drawn before. A box that reaches behind the near plane never is.
     bool hidden(const Cell& cell, CellId) {
@@ -245,7 +268,7 @@ class BasicCoverageRenderer {
     /// Null colors: the record's one. Else three, in the order that corners had before they were turned clockwise.
     void shade(const PolygonRecord& r, bool is_front, const Rgba8* colors) {
         Surface& s = polygon_.surface;
-        s.is_background = false;
+        s.is_background = s.is_fraction = s.is_deposit = false;
         s.is_perspective = to_.is_perspective;
         s.is_flat = colors == nullptr;
         s.colors = {r.color, r.color, r.color};
@@ -278,6 +301,83 @@ class BasicCoverageRenderer {
                 if (colors != nullptr) corner_colors[c] = to_rgba8(clipped[from[c]].color);
             }
             draw_triangle(r, t, colors == nullptr ? nullptr : corner_colors);
+        }
+    }
+
+    // --- the far field
+
+    void draw(const Face& face) {
+        if (face.rgba.a == 0) return;
+        ClippedPolygon clipped;
+        const int axis = face.side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        for (int corner = 0; corner < 4; ++corner) {
+            glm::vec3 p = face.lower;
+            if (corner == 1 || corner == 2) p[u] = face.upper[u];
+            if (corner >= 2) p[v] = face.upper[v];
+            clipped.add(p, to_);
+        }
+        clipped.clip(to_);
+        const float opacity = float(face.rgba.a) * (1 / 255.0f);
+        const glm::vec3 rgb =
+            glm::vec3(float(face.rgba.r), float(face.rgba.g), float(face.rgba.b)) * (1.0f / float(face.rgba.a));
+        shade_far(rgb, opacity, law_of_opacity(opacity),
+                  hash_of_triangle(face.lower, face.upper, glm::vec3(face.side)));
+        for (std::size_t i = 2; i < clipped.size(); ++i) {
+            SnappedTriangle t;
+            const std::size_t from[3] = {0, i - 1, i};
+            for (unsigned c = 0; c < 3; ++c) clipped.snap(from[c], to_, t, c);
+            std::int64_t area = t.doubled_area();
+            if (area == 0) continue;
+            if (area < 0) t.flip(), area = -area;
+            polygon_.corners = 3;
+            for (unsigned c = 0; c < 3; ++c) {
+                polygon_.x[c] = t.x[c];
+                polygon_.y[c] = t.y[c];
+            }
+            polygon_.surface.depth = DepthPlane(t, area);
+            tiler_.tile(target_, polygon_);
+        }
+    }
+
+    void draw(const Splat& splat) {
+        const glm::vec3 p = to_.project(splat.center);
+        if (!(p.z > to_.near_depth)) return;
+        const float inverse = to_.inverse_w(p.z);
+        const float x = p.x * inverse + to_.offset_x, y = p.y * inverse + to_.offset_y;
+        const glm::vec2 half = splat.size * (128.0f * to_.focal * inverse);
+        const float guard = SampleProjection::guard_band * 256;
+        if (!(x - half.x > -guard && x + half.x < guard && y - half.y > -guard && y + half.y < guard)) return;
+        const glm::vec3 rgb = glm::vec3(float(splat.rgb.r), float(splat.rgb.g), float(splat.rgb.b)) * (1 / 255.0f);
+        const auto law = AreaLaw(splat.rgb.a);
+        // A rectangle narrower than a sample would fall between samples: what it lacks in opacity it has in size.
+        const glm::vec2 grown = glm::max(half, glm::vec2(128));
+        const float opacity = splat.opacity * (half.x * half.y) / (grown.x * grown.y);
+        const std::int32_t left = snapped_to_256th(x - grown.x), right = snapped_to_256th(x + grown.x);
+        const std::int32_t top = snapped_to_256th(y - grown.y), bottom = snapped_to_256th(y + grown.y);
+        shade_far(rgb, opacity, law, hash_of_triangle(splat.center, splat.center, splat.center));
+        polygon_.corners = 4;
+        polygon_.x = {left, right, right, left};
+        polygon_.y = {top, top, bottom, bottom};
+        polygon_.surface.depth = {};
+        polygon_.surface.depth.at_corner = polygon_.surface.depth.lowest = polygon_.surface.depth.highest =
+            to_.q(p.z, inverse);
+        tiler_.tile(target_, polygon_);
+    }
+
+    /// `rgb` in [0, 1], not premultiplied.
+    void shade_far(glm::vec3 rgb, float opacity, AreaLaw law, std::uint32_t hash) {
+        Surface& s = polygon_.surface;
+        s = {};
+        s.is_solid = false;
+        if (Target::samples_type::takes_deposits && options_.far_coverage == FarCoverage::area_law) {
+            s.is_deposit = s.is_background = true;
+            s.colors.fill({0, 0, 0, 0});
+            s.loss = loss_of_opacity(opacity, law);
+            s.far_rgb = glm::min(rgb, glm::vec3(1));
+        } else {
+            s.is_fraction = true;
+            s.hash = hash;
+            s.colors.fill(to_rgba8(glm::vec4(rgb, opacity)));
         }
     }
 
