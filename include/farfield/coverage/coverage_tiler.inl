@@ -28,6 +28,7 @@ class Tiler {
             low_y = std::min(low_y, polygon.y[std::size_t(c)]);
             high_y = std::max(high_y, polygon.y[std::size_t(c)]);
         }
+        span_ = std::max(high_x - low_x, high_y - low_y);
         x0_ = std::max(((low_x - grown_by + 127) >> 8) - target.first_x, 0);
         y0_ = std::max(((low_y - grown_by + 127) >> 8) - target.first_y, 0);
         x1_ = std::min(((high_x + grown_by - 128) >> 8) - target.first_x, pyramid_.width_samples() - 1);
@@ -37,14 +38,19 @@ class Tiler {
     bool tile() {
         if (!choose_cells()) return false;
         ++target_.work.polygons_tiled;
-        prepare_edges(0);
+        const bool is_small = Target::masks == MaskSource::exact && spans_few_masks();
+        prepare_edges(0, !is_small);
         if constexpr (is_lazy) index_ = target_.lazy.add(surface_);
         bool drew = false;
         for (int c = 0; c < cell_count_; ++c) {
             const Start& s = cells_[std::size_t(c)];
-            if constexpr (is_lazy) {
-                if (s.level == pyramid_.top_level()) push_down(s.level, s.x, s.y);
+            if (is_small && s.level == 1) {
+                if (!tile_few_masks(s.x, s.y)) continue;
+                tell_parents(1, s.x, s.y);
+                drew = true;
+                continue;
             }
+            if (is_small) tabulate_edges();
             const Edges edges = edges_at(s.level, s.x, s.y);
             if (!(s.level == 1 ? tile_block(s.x, s.y, edges) : tile_cell(s.level, s.x, s.y, edges))) continue;
             tell_parents(s.level, s.x, s.y);
@@ -60,7 +66,7 @@ class Tiler {
         nearest_q_ = q;
         if (!choose_cells()) return false;
         if constexpr (is_lazy) asked_q_.q.fill(q);
-        prepare_edges(grown_by);
+        prepare_edges(grown_by, true);
         for (int c = 0; c < cell_count_; ++c) {
             const Start& s = cells_[std::size_t(c)];
             if (sees_cell(s.level, s.x, s.y, edges_at(s.level, s.x, s.y))) return true;
@@ -148,7 +154,7 @@ class Tiler {
 
     // --- edges
 
-    void prepare_edges(int grown_by) {
+    void prepare_edges(int grown_by, bool tabulates) {
         for (int c = 0; c < polygon_.corners; ++c) {
             const auto from = std::size_t(c), to = std::size_t(c + 1 < polygon_.corners ? c + 1 : 0);
             const std::int32_t dx = polygon_.x[to] - polygon_.x[from], dy = polygon_.y[to] - polygon_.y[from];
@@ -161,7 +167,12 @@ class Tiler {
             e_[n] = std::int64_t(dx) * (256 * std::int64_t(target_.first_y) + 128 - polygon_.y[from]) -
                     std::int64_t(dy) * (256 * std::int64_t(target_.first_x) + 128 - polygon_.x[from]) + bias +
                     std::int64_t(grown_by) * (std::abs(dx) + std::abs(dy));
-            MaskKernel::tabulate(a_[n], b_[n], values_[n]);
+        }
+        if (tabulates) tabulate_edges();
+    }
+    void tabulate_edges() {
+        for (int n = 0; n < edge_count_; ++n) {
+            MaskKernel::tabulate(a_[std::size_t(n)], b_[std::size_t(n)], values_[n]);
         }
     }
 
@@ -295,22 +306,19 @@ class Tiler {
         target_.work.tiles(1, x, y);
         Triage t;
         if (!triage(1, in, t)) return false;
-        block_ = block_at(x, y);
+        open_block(x, y);
         const std::size_t block = block_.index;
-        cell_ = pyramid_[block];
-        masks_ = pyramid_.samples_of_block(block);
-        drew_ = false;
-        const bool is_untouched = pyramid_.is_untouched(block);
         if constexpr (is_lazy) {
-            if (is_untouched) target_.lazy.open(block);
+            if (is_untouched_) target_.lazy.open(block);
         }
         t.possible &= box_in(1, x, y);
         behind_ = behind(t.possible & ~cell_.vacant, block, 1, x, y, extremes_);
         const std::uint64_t whole = surface_.is_solid ? cell_.vacant & t.covered : no_subcells;
         const std::uint64_t active = t.possible & ~(cell_.covered & behind_) & ~whole;
         if ((whole | active) == 0) return false;
-        if (is_untouched) {
-            if (whole == cell_.vacant && surface_.is_flat) {
+        if (is_untouched_) {
+            // A block that is all of the image has no parent that would know its depth.
+            if (whole == cell_.vacant && surface_.is_flat && (!is_lazy || pyramid_.top_level() > 1)) {
                 cover_cell(1, x, y);
                 pyramid_[block] = {all_subcells, no_subcells};
                 return true;
@@ -321,6 +329,60 @@ class Tiler {
         if (whole != 0) cover_masks(whole);
         if (active != 0) tile_masks(t, active);
         pyramid_[block] = cell_;
+        return drew_;
+    }
+
+    void open_block(int x, int y) {
+        block_ = block_at(x, y);
+        cell_ = pyramid_[block_.index];
+        masks_ = pyramid_.samples_of_block(block_.index);
+        is_untouched_ = pyramid_.is_untouched(block_.index);
+        drew_ = false;
+    }
+
+    /// Triage pays where it saves looking at masks.
+    bool spans_few_masks() const {
+        return span_ < 1 << 16 && ((x1_ >> 3) - (x0_ >> 3) + 1) * ((y1_ >> 3) - (y0_ >> 3) + 1) <= 16;
+    }
+
+    /// All masks that the bounding box touches, each by all edges. The polygon is so small that 32 bits suffice.
+    bool tile_few_masks(int x, int y) {
+        target_.work.tiles(1, x, y);
+        open_block(x, y);
+        std::uint64_t active = box_in(1, x, y);
+        if constexpr (is_lazy) {
+            if (is_untouched_) target_.lazy.open(block_.index);
+            const DepthPlane& d = surface_.depth;
+            extremes_.find(d, block_.sample_x, block_.sample_y, 8);
+            const float* farthest = target_.lazy.farthest(block_.index).q.data();
+            behind_ = 0;
+            for (std::uint64_t left = active; left != 0; left &= left - 1) {
+                const auto k = unsigned(std::countr_zero(left));
+                const float most = d.inside(extremes_.high_rows[k / 8] + extremes_.high_columns[k % 8]);
+                behind_ |= std::uint64_t(most < farthest[k]) << k;
+            }
+            target_.lazy.reserve_fragments(65);
+        }
+        active &= ~(cell_.covered & behind_);
+        if (active == 0) return false;
+        if (is_untouched_) target_.samples.open_block(block_);
+        target_.work.tiles_masks(x, y, active, MaskKernel::count(active));
+        std::array<std::int32_t, most_edges> base;
+        for (int n = 0; n < edge_count_; ++n) {
+            const auto at = std::size_t(n);
+            base[at] = std::int32_t((e_[at] + ((std::int64_t(a_[at]) * x + std::int64_t(b_[at]) * y) << 14)) >> 8);
+        }
+        for (std::uint64_t left = active; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            std::uint64_t inside = all_subcells;
+            for (int n = 0; n < edge_count_; ++n) {
+                const auto at = std::size_t(n);
+                const std::int32_t to_mask = (a_[at] * std::int32_t(k % 8) + b_[at] * std::int32_t(k / 8)) * 8;
+                inside &= MaskKernel::greater(a_[at], b_[at], ~(base[at] + to_mask));
+            }
+            if (inside != 0) tile_mask(k, inside);
+        }
+        pyramid_[block_.index] = cell_;
         return drew_;
     }
 
@@ -376,21 +438,12 @@ class Tiler {
         if constexpr (is_lazy) {
             if ((cell_.covered >> k & 1) != 0) covered = all_subcells;
         }
-        if constexpr (Target::samples_type::takes_deposits) {
-            if (surface_.is_deposit) {
-                const std::uint64_t seen = inside & ~covered;
-                if (seen == 0) return;
-                const float part = float(MaskKernel::count(inside)) * (1.0f / 64);
-                const float share = float(MaskKernel::count(seen)) / float(MaskKernel::count(inside));
-                if (!target_.samples.deposit(block_, k, part, share, surface_)) return;
-                inside = ~covered;  // what the deposits have closed is covered, by nothing more
-            }
-        }
         if constexpr (is_lazy) {
-            const std::uint64_t deep = target_.lazy.block(block_.index).deep;
-            if (((((inside & covered) != 0 ? ~behind_ : 0) | deep) & ~cell_.vacant & bit_of(k)) != 0) {
-                return tile_deep_mask(k, inside, covered);
-            }
+            if (inside == 0) return;
+            if (surface_.is_deposit) return deposit(k, inside, covered);
+            std::uint64_t z_buffered = target_.lazy.block(block_.index).deep | target_.samples.deposited(block_);
+            if ((inside & covered) != 0) z_buffered |= ~behind_;
+            if ((z_buffered & ~cell_.vacant & bit_of(k)) != 0) return tile_deep_mask(k, inside, covered);
         }
         const std::uint64_t seen = inside & ~covered;
         if (seen == 0) return;
@@ -515,8 +568,7 @@ class Tiler {
                 lazy.block(pyramid_.index(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8))).covered_by = index_;
         }
         if (level == 1) {
-            target_.samples.open_block(block_at(x, y));
-            target_.samples.cover_masks(block_at(x, y), inside, surface_);
+            target_.samples.split_block(block_at(x, y), inside, surface_);
             lazy.reserve_fragments(1);
             lazy.add_fragment(lazy.block(cell).whole_masks, inside, index_);
         }
@@ -561,43 +613,106 @@ class Tiler {
     /// As ZBufferRenderer: the nearer wins, of two at the same depth the larger color. Returns what was drawn.
     std::uint64_t draw_deep(DeepMask& deep, std::uint64_t inside, std::uint64_t covered, const Surface& surface,
                             unsigned k) const {
+        using EightFloats = MaskKernel::EightFloats;
+        using EightInts = MaskKernel::EightInts;
+        using EightWords = MaskKernel::EightWords;
         const int x = block_.sample_x_of(k), y = block_.sample_y_of(k);
-        float columns[8];
+        std::array<Rgba8, 8> colors;
+        EightFloats columns;
         for (int i = 0; i < 8; ++i) columns[i] = surface.depth.column(x + i);
-        const Rgba8 pixel = surface.seen_color_of_pixel(x, y);
+        constexpr bool shades_samples = Target::samples_type::shades_samples;
+        const bool has_deposits = (target_.samples.deposited(block_) >> k & 1) != 0;
+        const Rgba8 of_pixel = target_.samples.color_of(block_, k, surface);
+        colors.fill(of_pixel);
         std::uint64_t drawn = 0;
         for (int j = 0; j < 8; ++j) {
             const auto wanted = unsigned(inside >> (8 * j) & 255);
             if (wanted == 0) continue;
-            const auto open = unsigned(~covered >> (8 * j) & 255);
-            const float row = surface.depth.row(y + j);
-            unsigned done = 0;
-            for (unsigned i = 0; i < 8; ++i) {
-                if ((wanted >> i & 1) == 0) continue;
-                float& depth = deep.q[unsigned(8 * j) + i];
-                Rgba8& color = deep.color[unsigned(8 * j) + i];
-                const float q = surface.depth.inside(row + columns[i]);
-                const bool is_open = (open >> i & 1) != 0;
-                if (!is_open && q < depth) continue;
-                const Rgba8 c = Target::samples_type::shades_samples ? surface.seen_color_at(x + int(i), y + j) : pixel;
-                if (!is_open && q == depth && std::bit_cast<std::uint32_t>(c) <= std::bit_cast<std::uint32_t>(color)) {
-                    continue;
-                }
-                depth = q;
-                color = c;
-                done |= 1u << i;
+            if (shades_samples && !surface.is_flat) {
+                for (int i = 0; i < 8; ++i) colors[std::size_t(i)] = surface.seen_color_at(x + i, y + j);
             }
-            drawn |= std::uint64_t(done) << (8 * j);
+            if (has_deposits) {
+                colors.fill(of_pixel);
+                target_.samples.put_behind_deposits(block_, k, unsigned(8 * j), colors);
+            }
+            float* depths = deep.q.data() + 8 * j;
+            Rgba8* seen = deep.color.data() + 8 * j;
+            EightInts is_wanted, is_open;
+            MaskKernel::lanes_of(wanted, is_wanted);
+            MaskKernel::lanes_of(unsigned(~covered >> (8 * j) & 255), is_open);
+            EightFloats depth;
+            EightWords color, old;
+            __builtin_memcpy(&depth, depths, sizeof depth);
+            __builtin_memcpy(&color, colors.data(), sizeof color);
+            __builtin_memcpy(&old, seen, sizeof old);
+            EightFloats q = surface.depth.row(y + j) + columns;
+            q = q < surface.depth.lowest ? MaskKernel::EightFloats{} + surface.depth.lowest : q;
+            q = q > surface.depth.highest ? MaskKernel::EightFloats{} + surface.depth.highest : q;
+            const EightInts takes = is_wanted & (is_open | (q > depth) | ((q == depth) & (color > old)));
+            depth = takes ? q : depth;
+            old = takes ? color : old;
+            __builtin_memcpy(depths, &depth, sizeof depth);
+            __builtin_memcpy(static_cast<void*>(seen), &old, sizeof old);
+            drawn |= std::uint64_t(MaskKernel::byte_of(takes)) << (8 * j);
         }
         return drawn;
     }
 
     static float least_of(const DeepMask& deep, std::uint64_t covered) {
-        float least = std::numeric_limits<float>::infinity();
-        for (unsigned k = 0; k < 64; ++k) {
-            if ((covered >> k & 1) != 0) least = std::min(least, deep.q[k]);
+        MaskKernel::EightFloats least = MaskKernel::EightFloats{} + std::numeric_limits<float>::infinity();
+        for (unsigned j = 0; j < 8; ++j) {
+            MaskKernel::EightFloats q;
+            MaskKernel::EightInts counts;
+            __builtin_memcpy(&q, deep.q.data() + 8 * j, sizeof q);
+            MaskKernel::lanes_of(unsigned(covered >> (8 * j) & 255), counts);
+            least = (counts & (q < least)) ? q : least;
         }
-        return least;
+        float result = least[0];
+        for (int i = 1; i < 8; ++i) result = std::min(result, least[i]);
+        return result;
+    }
+
+    /// What belongs to the far field covers nothing: it lets less through of what is drawn behind it from now on. A
+    /// pixel that has both is z-buffered, so that what is nearer than a deposit stays as it is.
+    [[gnu::noinline]] void deposit(unsigned k, std::uint64_t inside, std::uint64_t covered) {
+        LazyDepth& lazy = target_.lazy;
+        const std::size_t at = 64 * block_.index + k;
+        const std::uint64_t outside = samples_outside(k);
+        if ((inside & ~outside) == 0) return;
+        const bool is_vacant = (cell_.vacant >> k & 1) != 0;
+        const bool is_deep = !is_vacant && (lazy.block(block_.index).deep >> k & 1) != 0;
+        const bool has_geometry = is_deep || (!is_vacant && (covered & ~outside) != 0);
+        if (has_geometry && !is_deep) make_deep(k, covered);
+        std::uint64_t farther = 0;  // geometry behind the deposit
+        if (has_geometry) {
+            const DepthPlane& d = surface_.depth;
+            for (std::uint64_t left = inside & covered & ~outside; left != 0; left &= left - 1) {
+                const auto s = unsigned(std::countr_zero(left));
+                const float q = d.at(d.row(block_.sample_y_of(k) + int(s / 8)), block_.sample_x_of(k) + int(s % 8));
+                if (q > lazy.deep(at).q[s]) farther |= bit_of(s);
+            }
+        }
+        const std::uint64_t seen = (inside & ~covered) | farther;
+        if (seen == 0) return;
+        drew_ = true;
+        if (is_vacant) {
+            masks_[k] = outside;
+            cell_.vacant &= ~bit_of(k);
+            lazy.history(at) = LazyDepth::none;
+        }
+        const auto let_through = target_.samples.deposit(block_, k, inside, seen, surface_, is_vacant);
+        for (; farther != 0; farther &= farther - 1) {
+            const auto sample = unsigned(std::countr_zero(farther));
+            Rgba8& c = lazy.deep(at).color[sample];
+            c = FarPixels::attenuated(c, let_through[FarPixels::lane_of(sample)]);
+        }
+        if (!target_.samples.is_closed(block_, k) || (~covered & ~outside) == 0) return;
+        // What the deposits have closed is covered: by nothing more, at their depth.
+        if (has_geometry) return tile_deep_mask(k, ~covered, covered);
+        masks_[k] = all_subcells;
+        cell_.covered |= bit_of(k);
+        lazy.add_fragment(lazy.history(at), ~covered, index_);
+        set_farthest(block_.index, k, extremes_);
     }
 
     // --- asking
@@ -611,11 +726,13 @@ class Tiler {
         if (!triage(level, in, t)) return false;
         const std::size_t at = pyramid_.index(level, x, y);
         const TriageMask cell = pyramid_[at];
-        std::uint64_t hidden = cell.covered;
+        std::uint64_t behind = all_subcells;
         if constexpr (is_lazy) {
-            if (hidden != 0 && !pyramid_.is_untouched(at))
-                hidden &= MaskKernel::less(asked_q_.q.data(), target_.lazy.farthest(at).q.data());
+            if (!pyramid_.is_untouched(at)) {
+                behind = MaskKernel::less(asked_q_.q.data(), target_.lazy.farthest(at).q.data());
+            }
         }
+        const std::uint64_t hidden = cell.covered & behind;
         const std::uint64_t possible = t.possible & box_in(level, x, y) & ~hidden;
         if (possible == 0) return false;
         if ((possible & (t.covered | cell.covered)) != 0) return true;
@@ -628,8 +745,8 @@ class Tiler {
                 continue;
             }
             target_.work.asks(0, child_x, child_y);
-            std::uint64_t inside =
-                ~((cell.vacant >> k & 1) != 0 ? pyramid_.samples_outside(child_x, child_y) : masks[k]);
+            const bool counts = (~cell.vacant & behind & bit_of(k)) != 0;
+            std::uint64_t inside = ~(counts ? masks[k] : pyramid_.samples_outside(child_x, child_y));
             for (int n = 0; n < t.edges.count && inside != 0; ++n) {
                 if ((t.crossed[std::size_t(n)] >> k & 1) == 0) continue;
                 inside &= samples_inside(t.edges.edge[std::size_t(n)], t.edges.e[std::size_t(n)], x, y, k);
@@ -643,6 +760,7 @@ class Tiler {
     CoveragePyramid& pyramid_;
     const TilePolygon& polygon_;
     const Surface& surface_;
+    std::int32_t span_ = 0;                    ///< of the bounding box, beyond the image too
     int x0_ = 0, y0_ = 0, x1_ = -1, y1_ = -1;  ///< samples of the bounding box inside the image, ends included
 
     int cell_count_ = 0;
@@ -657,7 +775,7 @@ class Tiler {
     MaskBlock block_;
     std::uint64_t* masks_ = nullptr;
     std::uint64_t behind_ = all_subcells;
-    bool drew_ = false;
+    bool drew_ = false, is_untouched_ = false;
 
     // Lazy mode only.
     std::uint32_t index_ = 0;  ///< of the surface

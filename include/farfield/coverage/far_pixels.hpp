@@ -3,12 +3,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "farfield/coverage/box_filter.hpp"
 #include "farfield/coverage/triage_mask.hpp"
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/rgba8.hpp"
@@ -19,6 +21,10 @@ namespace farfield {
 /// deposit.
 class FarPixels {
   public:
+    /// Two by two samples each: of two things side by side in a pixel neither is behind the other.
+    static constexpr unsigned lane_count = 16;
+    using LaneParts = std::array<float, lane_count>;
+
     /// A new frame of so many blocks.
     void begin(std::size_t blocks) {
         block_count_ = blocks;
@@ -35,9 +41,9 @@ class FarPixels {
     /// Pixels of a block that were deposited into in this frame.
     std::uint64_t touched(std::size_t block) const { return has_any_ ? touched_[block] : no_subcells; }
 
-    /// Something that covers `part` of a pixel, and takes `loss` of what it covers; of it the part `seen` is not behind
-    /// geometry. True: nothing gets through any more.
-    bool deposit(std::size_t at, float part, float seen, Loss loss, glm::vec3 rgb) {
+    /// Something that covers the samples `inside` of a pixel, and takes `loss` of what it covers; those of `seen`, some
+    /// of them, are not behind geometry. Returns which part comes through each lane of what came through before.
+    LaneParts deposit(std::size_t at, std::uint64_t inside, std::uint64_t seen, Loss loss, glm::vec3 rgb) {
         if (pixels_.empty()) pixels_.resize(64 * block_count_);
         has_any_ = true;
         Pixel& p = pixels_[at];
@@ -46,20 +52,41 @@ class FarPixels {
             touched_[at / 64] |= bit;
             p = {};
         }
-        const float left = transmitted(p.transmittance, {part * loss.relative, part * loss.absolute});
-        const float weight = (p.transmittance - left) * seen;
-        p.rgb += rgb * weight;
-        p.alpha += weight;
-        p.transmittance = left < closed_transmittance ? 0 : left;
-        return p.transmittance == 0;
+        LaneParts parts;
+        float taken = 0, left = 0;
+        for (unsigned lane = 0; lane < lane_count; ++lane) {
+            const auto covered = unsigned(bit_count(inside & samples_of_lane(lane)));
+            float& t = p.lanes[lane];
+            if (covered != 0) {
+                const float part = 0.25f * float(covered);
+                const float now = transmitted(t, {part * loss.relative, part * loss.absolute});
+                taken += (t - now) * float(bit_count(seen & samples_of_lane(lane))) / float(covered);
+                parts[lane] = t > 0 ? now / t : 0;
+                t = now;
+            } else {
+                parts[lane] = 1;
+            }
+            left += t;
+        }
+        taken *= 1.0f / lane_count;
+        p.rgb += rgb * taken;
+        p.alpha += taken;
+        if (left < closed_transmittance * lane_count) p.lanes.fill(0);
+        return parts;
     }
 
-    /// What comes through of something drawn behind all deposits so far. Rounded down, so that sums stay in range.
-    Rgba8 behind(std::size_t at, Rgba8 c) const {
-        const float t = pixels_[at].transmittance;
+    bool is_closed(std::size_t at) const {
+        return std::all_of(pixels_[at].lanes.begin(), pixels_[at].lanes.end(), [](float t) { return !(t > 0); });
+    }
+
+    /// What comes through of something drawn at sample s behind all deposits so far. Rounded down, so that sums stay in
+    /// range.
+    Rgba8 behind(std::size_t at, unsigned s, Rgba8 c) const { return attenuated(c, pixels_[at].lanes[lane_of(s)]); }
+    static Rgba8 attenuated(Rgba8 c, float t) {
         return {std::uint8_t(float(c.r) * t), std::uint8_t(float(c.g) * t), std::uint8_t(float(c.b) * t),
                 std::uint8_t(float(c.a) * t)};
     }
+    static unsigned lane_of(unsigned sample) { return sample / 16 * 4 + sample % 8 / 2; }
 
     /// f(at, rgb, alpha) of each pixel deposited into: premultiplied, in [0, 1].
     template <class F>
@@ -77,8 +104,11 @@ class FarPixels {
     struct Pixel {
         glm::vec3 rgb{0};
         float alpha = 0;
-        float transmittance = 1;
+        LaneParts lanes{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};  ///< transmittance, row by row
     };
+    static std::uint64_t samples_of_lane(unsigned lane) {
+        return std::uint64_t(0x0303) << (lane / 4 * 16 + lane % 4 * 2);
+    }
 
     std::size_t block_count_ = 0;
     bool has_any_ = false;

@@ -90,6 +90,30 @@ struct MaskKernel {
         return mask;
     }
 
+    /// Eight lanes, whatever the processor has: compilers take several registers where it has narrower ones.
+    typedef float EightFloats __attribute__((vector_size(32)));
+    typedef std::int32_t EightInts __attribute__((vector_size(32)));
+    typedef std::uint32_t EightWords __attribute__((vector_size(32)));
+
+    /// All bits of a lane for each bit of a byte, and back.
+    static void lanes_of(unsigned byte, EightInts& lanes) {
+        const EightInts bit = {1, 2, 4, 8, 16, 32, 64, 128};
+        lanes = ((bit & std::int32_t(byte)) != 0);
+    }
+    static unsigned byte_of(const EightInts& lanes) {
+#if FARFIELD_LANES >= 8
+        return unsigned(_mm256_movemask_ps((__m256)lanes));
+#elif FARFIELD_LANES == 4
+        __m128 half[2];
+        __builtin_memcpy(half, &lanes, sizeof half);
+        return unsigned(_mm_movemask_ps(half[0]) | _mm_movemask_ps(half[1]) << 4);
+#else
+        unsigned byte = 0;
+        for (unsigned i = 0; i < 8; ++i) byte |= unsigned(lanes[i] & 1) << i;
+        return byte;
+#endif
+    }
+
     static int count(std::uint64_t mask) {
 #if FARFIELD_LANES >= 8
         return __builtin_popcountll(mask);
@@ -99,6 +123,41 @@ struct MaskKernel {
         mask = (mask & 0x3333333333333333u) + (mask >> 2 & 0x3333333333333333u);
         mask = (mask + (mask >> 4)) & 0x0f0f0f0f0f0f0f0fu;
         return int(mask * 0x0101010101010101u >> 56);
+#endif
+    }
+
+    /// Bit 8 * j + i: a * i + b * j > threshold. For a few masks, where a table would not pay.
+    static std::uint64_t greater(std::int32_t a, std::int32_t b, std::int32_t threshold) {
+#if FARFIELD_LANES == 16
+        const __m512i i = _mm512_set_epi32(7, 6, 5, 4, 3, 2, 1, 0, 7, 6, 5, 4, 3, 2, 1, 0);
+        const __m512i j = _mm512_set_epi32(b, b, b, b, b, b, b, b, 0, 0, 0, 0, 0, 0, 0, 0);
+        const __m512i v = _mm512_add_epi32(_mm512_mullo_epi32(i, _mm512_set1_epi32(a)), j);
+        const auto rows_from = [&](int row) {
+            return _mm512_cmpgt_epi32_mask(v, _mm512_set1_epi32(threshold - row * b));
+        };
+        return joined(rows_from(0), rows_from(2), rows_from(4), rows_from(6));
+#elif FARFIELD_LANES == 8
+        const __m256i v = _mm256_mullo_epi32(_mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0), _mm256_set1_epi32(a));
+        std::uint64_t mask = 0;
+        for (int j = 0; j < 8; ++j) {
+            const __m256i row = _mm256_cmpgt_epi32(v, _mm256_set1_epi32(threshold - j * b));
+            mask |= std::uint64_t(std::uint32_t(_mm256_movemask_ps(_mm256_castsi256_ps(row)))) << (8 * j);
+        }
+        return mask;
+#elif FARFIELD_LANES == 4
+        const __m128i left = _mm_set_epi32(3 * a, 2 * a, a, 0), right = _mm_add_epi32(left, _mm_set1_epi32(4 * a));
+        std::uint64_t mask = 0;
+        for (int j = 0; j < 8; j += 2) {
+            const __m128i t = _mm_set1_epi32(threshold - j * b), u = _mm_set1_epi32(threshold - j * b - b);
+            const __m128i one = _mm_packs_epi32(_mm_cmpgt_epi32(left, t), _mm_cmpgt_epi32(right, t));
+            const __m128i two = _mm_packs_epi32(_mm_cmpgt_epi32(left, u), _mm_cmpgt_epi32(right, u));
+            mask |= std::uint64_t(std::uint32_t(_mm_movemask_epi8(_mm_packs_epi16(one, two)))) << (8 * j);
+        }
+        return mask;
+#else
+        std::uint64_t mask = 0;
+        for (std::int32_t k = 0; k < 64; ++k) mask |= std::uint64_t(a * (k & 7) + b * (k >> 3) > threshold) << k;
+        return mask;
 #endif
     }
 

@@ -1,6 +1,7 @@
 // Where the tiler's masks of samples go: into filters, for images with 64 samples a pixel, or straight into pixels.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -52,12 +53,6 @@ class PixelSamples {
     }
     /// All samples of a block, of which none has been seen, of a flat surface.
     FARFIELD_INLINE void cover_block(const MaskBlock& block, const Surface& surface) {
-        if constexpr (takes_deposits) {
-            if (far_.touched(block.index) != 0) {
-                open_block(block);
-                return cover_masks(block, all_subcells, surface);
-            }
-        }
         if constexpr (has_blocks) {
             filter_.fill_block(block.index, surface.seen_color());
         } else {
@@ -66,12 +61,6 @@ class PixelSamples {
     }
     /// All samples of some masks.
     FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
-        if constexpr (takes_deposits) {
-            for (std::uint64_t left = masks & far_.touched(block.index); left != 0; left &= left - 1) {
-                add(block, unsigned(std::countr_zero(left)), all_subcells, 64, surface, true);
-            }
-            masks &= ~far_.touched(block.index);
-        }
         if (surface.is_flat) {
             if constexpr (has_blocks) {
                 filter_.fill_pixels(block.index, masks, surface.seen_color());
@@ -90,10 +79,34 @@ class PixelSamples {
                              const Surface& surface, bool is_first) {
         add(block, k, samples, count, color_of(block, k, surface), is_first);
     }
-    /// A surface of the far field over the part `inside` of mask k, of which the part `seen` is not behind geometry.
-    /// True: nothing gets through any more.
-    bool deposit(const MaskBlock& block, unsigned k, float inside, float seen, const Surface& surface) {
-        return far_.deposit(64 * block.index + k, inside, seen, surface.loss, surface.far_rgb);
+    /// A block that cover_block() took is to be written mask by mask after all.
+    void split_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        if constexpr (has_blocks) {
+            open_block(block);
+            cover_masks(block, masks, surface);
+        }
+    }
+    /// A surface of the far field over samples `inside` of mask k, of which those of `seen` are not behind geometry.
+    /// Returns what comes through each lane of what came through before.
+    FarPixels::LaneParts deposit(const MaskBlock& block, unsigned k, std::uint64_t inside, std::uint64_t seen,
+                                 const Surface& surface, bool is_first) {
+        const std::size_t at = 64 * block.index + k;
+        if constexpr (takes_deposits) {
+            if (is_first) filter_.add_at(at, 0, {}, true);
+        }
+        return far_.deposit(at, inside, seen, surface.loss, surface.far_rgb);
+    }
+    /// Masks of a block that something was deposited into.
+    std::uint64_t deposited(const MaskBlock& block) const { return far_.touched(block.index); }
+    bool is_closed(const MaskBlock& block, unsigned k) const { return far_.is_closed(64 * block.index + k); }
+    /// What comes through the deposits so far, at eight samples from s on.
+    void put_behind_deposits(const MaskBlock& block, unsigned k, unsigned s, std::array<Rgba8, 8>& colors) const {
+        if ((deposited(block) >> k & 1) == 0) return;
+        for (unsigned i = 0; i < 8; ++i) colors[i] = far_.behind(64 * block.index + k, s + i, colors[i]);
+    }
+    static Rgba8 color_of(const MaskBlock& block, unsigned k, const Surface& surface) {
+        return surface.is_flat ? surface.seen_color()
+                               : surface.seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
     }
     /// Takes back what add() or cover_masks() did, as if it had not been the first: lazy z-buffering will say it anew.
     void remove(const MaskBlock& block, unsigned k, std::uint64_t samples, const Surface& surface) {
@@ -120,15 +133,8 @@ class PixelSamples {
   private:
     static constexpr bool has_blocks = requires(Filter f) { f.open_block(0); };
 
-    static Rgba8 color_of(const MaskBlock& block, unsigned k, const Surface& surface) {
-        return surface.is_flat ? surface.seen_color()
-                               : surface.seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
-    }
     FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, Rgba8 color,
                              bool is_first) {
-        if constexpr (takes_deposits) {
-            if ((far_.touched(block.index) >> k & 1) != 0) color = far_.behind(64 * block.index + k, color);
-        }
         if constexpr (has_blocks) {
             filter_.add_at(64 * block.index + k, count, color, is_first);
         } else {
@@ -169,6 +175,14 @@ class SinglePixels {
         }
     }
     void remove(const MaskBlock&, unsigned, std::uint64_t, const Surface&) {}
+    void split_block(const MaskBlock&, std::uint64_t, const Surface&) {}
+    FarPixels::LaneParts deposit(const MaskBlock&, unsigned, std::uint64_t, std::uint64_t, const Surface&, bool) {
+        return {};
+    }
+    std::uint64_t deposited(const MaskBlock&) const { return no_subcells; }
+    bool is_closed(const MaskBlock&, unsigned) const { return false; }
+    void put_behind_deposits(const MaskBlock&, unsigned, unsigned, std::array<Rgba8, 8>&) const {}
+    static Rgba8 color_of(const MaskBlock&, unsigned, const Surface& surface) { return surface.seen_color(); }
     void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
         for (unsigned s = 0; s < 64; ++s) {
             pixels_.add(place(block, k), std::uint64_t(1) << s, deep.color[s]);

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 
 #include "farfield/cell.hpp"
 #include "farfield/coverage/surface.hpp"
@@ -15,7 +18,8 @@
 
 namespace farfield {
 
-/// Convex whatever rounding does: the hull of the snapped corners, in integers. Rejected: the table of outlines by the
+/// Convex whatever rounding does: the hull of the snapped corners, in integers. Two corners or one where all of the box
+/// is snapped to a line or a point: of use to who asks with a polygon grown. Rejected: the table of outlines by the
 /// eye's region, whose corners rounding may turn inwards.
 struct Silhouette {
     TilePolygon outline;
@@ -41,8 +45,9 @@ struct Silhouette {
             points[corner] = {snapped_to_256th(x), snapped_to_256th(y)};
             least_depth = corner == 0 ? p.z : std::min(least_depth, p.z);
         }
-        // A box is nowhere nearer than its nearest corner, but for rounding.
-        const float rounding = std::abs(least_depth) * 0x1p-18f;
+        // A box is nowhere nearer than its nearest corner, but for rounding, which goes by what depths are sums of.
+        const float rounding = glm::dot(glm::abs(to.forward), glm::abs(center - to.eye) + half) * 0x1p-20f +
+                               std::abs(least_depth) * 0x1p-18f;
         const float depth = std::max(least_depth - rounding, to.near_depth);
         nearest_q = to.q(depth, to.inverse_w(depth));
 
@@ -65,7 +70,7 @@ struct Silhouette {
         const std::size_t lower = n - 1;
         for (std::size_t i = count; i-- > 0;) add(points[i], lower);
         --n;  // the first again
-        if (n < 3 || n > std::size_t(TilePolygon::most_corners)) return false;
+        if (n > std::size_t(TilePolygon::most_corners)) return false;
         outline.corners = int(n);
         for (std::size_t i = 0; i < n; ++i) {
             outline.x[i] = hull[i].x;

@@ -15,6 +15,7 @@
 #include "farfield/raster/depth_tiles.hpp"
 #include "farfield/raster/far_samples.hpp"
 #include "farfield/raster/image.hpp"
+#include "farfield/raster/sample_mean.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/sample_rect.hpp"
 
@@ -38,6 +39,8 @@ class SampleBuffers {
     }
 
     int samples_a_side() const { return side_; }
+    /// The z-buffer, row by row from the upper left sample; of the same size until the next begin().
+    const float* depth() const { return depth_.data(); }
 
     /// z and color of row y, to be indexed with x. Whoever writes says so by near_drawn().
     float* depth_row(int y) { return depth_.data() + row(y) - first_x_; }
@@ -90,12 +93,23 @@ class SampleBuffers {
             image = Image(width, height, background_);
             drawn_in_image_ = {};
         }
-        for_pixels(drawn_in_image_, [&](int x, int y) { image.at(x, y) = background_; });
+        if (const SampleRect& was = drawn_in_image_; !was.is_empty()) {
+            for (int y = was.y0 / side_; y <= (was.y1 - 1) / side_; ++y) {
+                std::fill(&image.at(was.x0 / side_, y), &image.at((was.x1 - 1) / side_, y) + 1, background_);
+            }
+        }
         SampleRect drawn = near_;
         drawn.add(far_.rect());
         drawn_in_image_ = drawn;
         if (side_ != 1) {
-            for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel(x, y); });
+            if (far_.has_begun()) {
+                for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel(x, y); });
+            } else {
+                const auto stride = std::size_t(width_);
+                for_pixels(drawn, [&](int x, int y) {
+                    image.at(x, y) = mean_of_samples(color_.data() + index(x * side_, y * side_), stride, side_);
+                });
+            }
             return;
         }
         for (int y = drawn.y0; y < drawn.y1; ++y) {
@@ -106,6 +120,8 @@ class SampleBuffers {
     }
 
   private:
+    static constexpr std::size_t padding = 8;  ///< rows are filled in vectors
+
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
     std::size_t row(int y) const { return std::size_t(y - first_y_) * std::size_t(width_); }
 
@@ -157,8 +173,8 @@ class SampleBuffers {
         side_ = samples_a_side;
         background_ = background;
         const std::size_t count = std::size_t(width) * std::size_t(height);
-        depth_.assign(count, -std::numeric_limits<float>::infinity());
-        color_.assign(count, background);
+        depth_.assign(count + padding, -std::numeric_limits<float>::infinity());
+        color_.assign(count + padding, background);
         far_.resize(width, height);
         tiles_.begin(width, height);
         near_ = {};

@@ -1,4 +1,4 @@
-// One triangle into a picture: by scan conversion into the z-buffer, or deposited as a whole where it is small.
+// One triangle into a picture: by scan conversion, or deposited as a whole where it is small.
 #pragma once
 
 #include <algorithm>
@@ -9,12 +9,13 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <utility>
 
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/light.hpp"
+#include "farfield/raster/far_sample.hpp"
 #include "farfield/raster/polygon_clip.hpp"
-#include "farfield/raster/sample_buffers.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/shading.hpp"
@@ -23,12 +24,37 @@
 
 namespace farfield {
 
+/// What a fill asks for the color of a sample. Colors are known after prepare().
+struct OneColor {
+    static constexpr bool is_one_color = true;
+    const Rgba8& color;  ///< opaque
+    Rgba8 operator()(int, int) const { return color; }
+};
+struct SeveralColors {
+    static constexpr bool is_one_color = false;
+    const Rgba8 (&corners)[3];
+    bool are_equal;
+    std::optional<ColorPlane> plane{};  ///< set by prepare()
+    std::uint32_t hash = 0;             ///< of the triangle; likewise
+
+    bool are_opaque() const { return corners[0].a == 255 && corners[1].a == 255 && corners[2].a == 255; }
+    Rgba8 operator()(int x, int y) const {
+        Rgba8 c = are_equal ? corners[0] : plane->at(x, y, corners);
+        if (c.a != 255 && !covered_by_hash(x, y, hash, c.a)) c.a = 0;
+        return c;
+    }
+};
+
 /// For as long as view and source stay. `light` is in the source's axes; null: colors as they are.
+///
+/// Fill says what becomes of samples: fill.rejects(triangle), asked before anything is set up, and
+/// fill(triangle, doubled_area, prepare, shade), as in depth_tested_fill.hpp.
+template <class Fill>
 class TrianglePainter {
   public:
     TrianglePainter(const TriangleStream& stream, const SampleProjection& to, const DirectionalLight* light,
-                    bool culls_back_faces, SampleBuffers& buffers)
-        : stream_(stream), to_(to), light_(light), culls_back_faces_(culls_back_faces), buffers_(buffers) {}
+                    bool culls_back_faces, const Fill& fill)
+        : stream_(stream), to_(to), light_(light), culls_back_faces_(culls_back_faces), fill_(fill) {}
 
     /// A lane of TriageMasks::draw.
     void draw(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane) {
@@ -64,8 +90,9 @@ class TrianglePainter {
         }
     }
 
-    /// A lane of TriageMasks::small, after SampleBuffers::begin_far(): a square of its area about its centroid, in the
-    /// mean of its corners' colors. `opaque` is what its law takes where it covers all and lets nothing through.
+    /// A lane of TriageMasks::small, into fill.buffers() after SampleBuffers::begin_far(): a square of its area about
+    /// its centroid, in the mean of its corners' colors. `opaque` is what its law takes where it covers all and lets
+    /// nothing through.
     void deposit(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane, bool front, Loss opaque) {
         const Rgba8* colors = stream_.colors(triangle);
         const bool several = stream_.several_colors();
@@ -80,9 +107,9 @@ class TrianglePainter {
         const float x = triaged.center_x[lane], y = triaged.center_y[lane], q = triaged.center_q[lane];
         const float area = triaged.area[lane], part = float(alpha) * (1.0f / 255);
         const Loss loss{part * opaque.relative, part * opaque.absolute};
-        if (area * float(lanes::count) <= 1) return buffers_.deposit_in_lane(x, y, area, q, loss, rgb);
+        if (area * float(lanes::count) <= 1) return fill_.buffers().deposit_in_lane(x, y, area, q, loss, rgb);
         const float half = 0.5f * std::sqrt(area);
-        buffers_.deposit_square(x - half, y - half, x + half, y + half, q, loss, rgb());
+        fill_.buffers().deposit_square(x - half, y - half, x + half, y + half, q, loss, rgb());
     }
 
   private:
@@ -113,6 +140,7 @@ class TrianglePainter {
     }
 
     void draw(std::uint32_t triangle, SnappedTriangle& t, Rgba8 (&colors)[3]) {
+        if (fill_.rejects(t)) return;
         const std::int64_t signed_area = t.doubled_area();
         if (signed_area == 0) return;
         const bool front = signed_area < 0;  // counter-clockwise, rows running downwards
@@ -130,54 +158,24 @@ class TrianglePainter {
         };
         const bool one_color = colors[0] == colors[1] && colors[0] == colors[2];
         if (one_color && colors[0].a == 255) {
-            fill(t, doubled_area, light, [&](int, int) { return colors[0]; });
-        } else {
-            const ColorPlane plane(t, doubled_area, to_.is_perspective);
-            const std::uint32_t hash =
-                hash_of_triangle(stream_.vertex(triangle, 0), stream_.vertex(triangle, 1), stream_.vertex(triangle, 2));
-            fill(t, doubled_area, light, [&](int x, int y) {
-                Rgba8 c = one_color ? colors[0] : plane.at(x, y, colors);
-                if (c.a != 255 && !covered_by_hash(x, y, hash, c.a)) c.a = 0;
-                return c;
-            });
+            fill_(t, doubled_area, light, OneColor{colors[0]});
+            return;
         }
-    }
-
-    /// shade(x, y) gives the sample's color; with alpha 0 it is not covered after all. What is not needed before a
-    /// sample is known to be covered comes after: half of the triangles that get here cover none.
-    template <class Light, class Shade>
-    void fill(const SnappedTriangle& t, std::int64_t doubled_area, Light&& light, Shade&& shade) {
-        DepthPlane plane;
-        bool prepared = false;
-        scan_convert(t, to_, [&](int y, int begin, int end) {
-            if (!prepared) {
-                prepared = true;
-                plane = DepthPlane(t, doubled_area);
-                light();
-            }
-            float* depth = buffers_.depth_row(y);
-            Rgba8* color = buffers_.color_row(y);
-            const float row = plane.row(y);
-            buffers_.near_drawn(begin, y, end, y + 1);
-            for (int x = begin; x < end; ++x) {
-                const float q = plane.at(row, x);
-                if (q < depth[x]) continue;
-                Rgba8 c = shade(x, y);
-                if (c.a == 0) continue;
-                c.a = 255;
-                if (q == depth[x] && std::bit_cast<std::uint32_t>(c) <= std::bit_cast<std::uint32_t>(color[x]))
-                    continue;
-                depth[x] = q;
-                color[x] = c;
-            }
-        });
+        SeveralColors shade{colors, one_color};
+        const auto prepare = [&] {
+            light();
+            shade.plane.emplace(t, doubled_area, to_.is_perspective);
+            shade.hash =
+                hash_of_triangle(stream_.vertex(triangle, 0), stream_.vertex(triangle, 1), stream_.vertex(triangle, 2));
+        };
+        fill_(t, doubled_area, prepare, shade);
     }
 
     const TriangleStream& stream_;
     const SampleProjection& to_;
     const DirectionalLight* light_;
     bool culls_back_faces_;
-    SampleBuffers& buffers_;
+    const Fill& fill_;
 };
 
 }  // namespace farfield

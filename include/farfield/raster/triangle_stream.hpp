@@ -27,9 +27,7 @@ class TriangleStream {
         blocks_.reserve(source.item_count / TriangleBlock::lanes + 1);
         for (std::uint32_t at = 0; at < source.item_count; ++at) {
             first_triangle_.push_back(count_);
-            if (!is_instance(source[at])) {
-                local_polygons(source[at], source.origin, [&](const Polygon& polygon) { add(polygon); });
-            }
+            source.polygons(at, [&](const Polygon& polygon) { add(polygon); });
             one_each = one_each && count_ == at + 1;
         }
         if (one_each) {
@@ -63,15 +61,6 @@ class TriangleStream {
     }
 
   private:
-    template <class P>
-    static bool is_instance(const P& p) {
-        if constexpr (PrimitiveWithInstance<P>) {
-            return primitive_traits<P>::visit_instance(p, [](const auto&) {});
-        } else {
-            return false;
-        }
-    }
-
     void add(const Polygon& polygon) {
         const bool one_color = polygon.colors.size() < polygon.vertices.size();
         for (std::size_t i = 2; i < polygon.vertices.size(); ++i) {

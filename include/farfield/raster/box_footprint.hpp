@@ -1,0 +1,79 @@
+// Where on the screen can something inside a box be, and how near?
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+
+#include "farfield/raster/sample_projection.hpp"
+
+namespace farfield {
+
+/// Holds every sample, inside the image and relative to its center sample, that polygons inside the box may cover,
+/// roundings of box, projection and snapping included.
+struct BoxFootprint {
+    bool is_bounded = false;               ///< false: reaches to the near plane or nearly so; the rest is not set
+    int x0 = 0, y0 = 0, x1 = -1, y1 = -1;  ///< ends included; empty if x0 > x1 or y0 > y1
+    float q = 0;                           ///< nearer than no sample of any polygon inside the box, or as near
+
+    bool is_empty() const { return x0 > x1 || y0 > y1; }
+
+    BoxFootprint(glm::vec3 center, glm::vec3 half, const SampleProjection& to) {
+        constexpr float some_roundings = 0x1p-20f;
+        half += (glm::abs(center) + half) * some_roundings;
+        const glm::vec3 reach = glm::abs(center - to.eye) + half;
+        const float error = (reach.x + reach.y + reach.z) * some_roundings;  // of a depth
+        const glm::vec3 p = to.project(center);
+        const glm::vec3 x = to.right * half, y = to.down * half, z = to.forward * half;
+        const float nearest = p.z - (std::abs(z.x) + std::abs(z.y) + std::abs(z.z)) - error;
+        if (!(nearest >= to.near_depth)) return;
+        float low_x = 0, high_x = 0, low_y = 0, high_y = 0;
+        if (to.is_perspective) {
+            float px[8], py[8];
+            for (int corner = 0; corner < 8; ++corner) {
+                const float a = corner & 1 ? 1.0f : -1.0f, b = corner & 2 ? 1.0f : -1.0f, c = corner & 4 ? 1.0f : -1.0f;
+                const float inverse = 1.0f / std::max(p.z + a * z.x + b * z.y + c * z.z, nearest);
+                px[corner] = (p.x + a * x.x + b * x.y + c * x.z) * inverse;
+                py[corner] = (p.y + a * y.x + b * y.y + c * y.z) * inverse;
+            }
+            low_x = high_x = px[0];
+            low_y = high_y = py[0];
+            for (int corner = 1; corner < 8; ++corner) {
+                low_x = std::min(low_x, px[corner]);
+                high_x = std::max(high_x, px[corner]);
+                low_y = std::min(low_y, py[corner]);
+                high_y = std::max(high_y, py[corner]);
+            }
+        } else {
+            const float half_x = std::abs(x.x) + std::abs(x.y) + std::abs(x.z);
+            const float half_y = std::abs(y.x) + std::abs(y.y) + std::abs(y.z);
+            low_x = p.x - half_x;
+            high_x = p.x + half_x;
+            low_y = p.y - half_y;
+            high_y = p.y + half_y;
+        }
+        // One sample for snapping and for its center, and what projecting may err.
+        const float relative = to.is_perspective ? error / nearest : error;
+        const float focal = to.focal * 256;
+        const float slack_x = 256 + relative * (focal + std::max(std::abs(low_x), std::abs(high_x)));
+        const float slack_y = 256 + relative * (focal + std::max(std::abs(low_y), std::abs(high_y)));
+        // Written so that what is not a number stays outside.
+        const auto sample = [](float v, int first, int end) {
+            return int(std::floor(std::clamp(v * (1.0f / 256), float(first) - 1, float(end))));
+        };
+        low_x += to.offset_x - slack_x;
+        high_x += to.offset_x + slack_x;
+        low_y += to.offset_y - slack_y;
+        high_y += to.offset_y + slack_y;
+        if (!(low_x <= high_x && low_y <= high_y)) return;
+        x0 = std::max(sample(low_x, to.first_x, to.end_x), to.first_x);
+        y0 = std::max(sample(low_y, to.first_y, to.end_y), to.first_y);
+        x1 = std::min(sample(high_x, to.first_x, to.end_x), to.end_x - 1);
+        y1 = std::min(sample(high_y, to.first_y, to.end_y), to.end_y - 1);
+        q = to.q(nearest, to.inverse_w(nearest));
+        is_bounded = true;
+    }
+};
+
+}  // namespace farfield
