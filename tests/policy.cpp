@@ -11,7 +11,9 @@
 #include "farfield/cost/measured_time.hpp"
 #include "farfield/cost/triangle_count.hpp"
 #include "farfield/geometry/triangle.hpp"
+#include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/raster/z_buffer_renderer.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/viewer.hpp"
@@ -70,7 +72,19 @@ struct SharedOnly : GoodPartition {
 struct Ordered : GoodPartition {
     static constexpr PartitionFacts facts{.ordering = Ordering::primitives};
 };
+struct ClipsWithoutHooks : GoodPartition {
+    static constexpr PartitionFacts facts{.offers = clipped};
+};
+struct MisspeltFit : PolygonBsp {
+    void fit() const {}
+};
+struct AlsoClips : PolygonBsp {
+    static constexpr PartitionFacts facts{.offers = clipped | unique};
+};
 
+static_assert(Partition<PolygonBsp> && Partition<Nested<Octree, PolygonBsp>> && CutsItems<PolygonBsp>);
+static_assert(!Partition<ClipsWithoutHooks> && !Partition<MisspeltFit>);
+static_assert(!Partition<AlsoClips> && CutsItemsIfOffered<AlsoClips> && !PlacesItemsIfOffered<AlsoClips>);
 static_assert(Partition<Octree> && Partition<SharedOctree> && Partition<GoodPartition> && Partition<SharedOnly>);
 static_assert(!Partition<WithoutFacts> && !Partition<WithOddFacts> && !Partition<WithMemory> &&
               !Partition<SaysYesOrNo>);
@@ -195,6 +209,10 @@ static_assert(!Composable<Octree, NeedsStrictOrder, TriangleCount> &&
 static_assert(SpatialHierarchy<Octree, ColorCube, TriangleCount>::assignment == unique);
 static_assert(SpatialHierarchy<SharedOctree, ColorCube, TriangleCount>::assignment == shared);
 static_assert(SpatialHierarchy<Octree, ColorCube, TriangleCount>::ordering == Ordering::cells);
+static_assert(SpatialHierarchy<PolygonBsp, Exact, TriangleCount>::assignment == clipped);
+static_assert(SpatialHierarchy<PolygonBsp, Exact, TriangleCount>::ordering == Ordering::primitives);
+static_assert(SpatialHierarchy<PolygonBsp, ColorCube, TriangleCount>::ordering == Ordering::cells,
+              "boxes of cells overlap, and a stand-in fills its box");
 
 // --- drawing ---------------------------------------------------------------------------------------------------------
 
@@ -213,6 +231,16 @@ static_assert(DrawsStandInsIfAny<Plain, Exact> && !DrawsStandInsIfAny<Plain, Col
 static_assert(DrawableWith<Cubes, Triangle, CellOrder>);
 static_assert(!DrawableWith<ExactHierarchy, Triangle, Strict>, "octree cells are unordered inside");
 static_assert(DrawableWith<SpatialHierarchy<Ordered, Exact, TriangleCount>, Triangle, Strict>);
+static_assert(DrawableWith<SpatialHierarchy<PolygonBsp, Exact, TriangleCount>, Triangle, Strict> &&
+              !DrawableWith<SpatialHierarchy<PolygonBsp, ColorCube, TriangleCount>, Triangle, Strict>);
+
+struct BoxOnly {
+    Box box;
+    Box bounds() const { return box; }
+};
+static_assert(BuildableFrom<ExactHierarchy, BoxOnly> &&
+                  !BuildableFrom<SpatialHierarchy<PolygonBsp, Exact, TriangleCount>, BoxOnly>,
+              "there is nothing to cut");
 static_assert(!DrawableWith<SpatialHierarchy<GoodPartition, Exact, TriangleCount>, Triangle, CellOrder>);
 static_assert(traversal_order<ExactHierarchy, Plain> == Order::any);
 static_assert(traversal_order<ExactHierarchy, Strict> == Order::front_to_back);

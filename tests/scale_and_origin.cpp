@@ -96,6 +96,8 @@ TEST_CASE("a scene scaled by anything, or moved, gives the same cut up to ties")
         glm::dvec3 offset;
     };
     for (const Variant& variant : all_variants()) {
+        // One plane chosen otherwise, where two cost the same, and all below it is cut otherwise.
+        const double ties = variant.is_clipped ? 0.15 : 0.03;
         const auto h = variant.build(triangles);
         for (const Place& place : {Place{1e-4, {}}, Place{1e4, {}}, Place{1, {100, -50, 30}},
                                    Place{1e4, {3e5, 0, -7e5}}, Place{1e-4, {2e-3, 1e-2, 0}}}) {
@@ -109,9 +111,9 @@ TEST_CASE("a scene scaled by anything, or moved, gives the same cut up to ties")
                     INFO("tolerance " << tolerance << ", view " << i);
                     ZBufferRenderer a, b;
                     const FrameStats x = h->viewer(a)->frame(here[i]), y = other->viewer(b)->frame(there[i]);
-                    CHECK(about(y.primitives, x.primitives) < 0.03);
-                    CHECK(about(y.approximations, x.approximations) < 0.03);
-                    CHECK(about(y.cells_visited, x.cells_visited) < 0.03);
+                    CHECK(about(y.primitives, x.primitives) < ties);
+                    CHECK(about(y.approximations, x.approximations) < ties);
+                    CHECK(about(y.cells_visited, x.cells_visited) < ties);
                 }
             }
         }

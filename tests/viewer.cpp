@@ -131,7 +131,7 @@ TEST_CASE("an eye on corners, edges and faces of cells, and inside of them, gets
             recorder.clear();
             CHECK(viewer->frame(view).approximations == 0);
             drawing->frame(view);
-            CHECK(renderer.image() == plain_picture<Triangle>(triangles, view));
+            CHECK(variant.is_plain(renderer.image(), plain_picture<Triangle>(triangles, view)));
         }
     }
 }
@@ -270,7 +270,8 @@ TEST_CASE("stand-ins come front to back: no cell's before that of a cell in fron
                 orthographic ? looking_orthographic({5, 2, 3}, {}, 20, 256, 8) : looking({7, 2, 5}, {}, 256, 8);
             h->frame(view, recorder);
             const LocalView local = local_view<Triangle>(triangles, view);
-            REQUIRE(recorder.splats.size() > 20);
+            // Tensors measure an error, which in cells of any shape is mostly above the tolerance.
+            if (!variant.is_clipped) REQUIRE(recorder.splats.size() > 20);
             // Of two boxes on one ray, apart on an axis, the nearer one on that axis is in front. Same for all axes:
             // nothing later may be nearer on all of them.
             std::size_t wrong = 0;

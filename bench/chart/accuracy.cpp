@@ -81,7 +81,7 @@ class SceneRun {
     struct Built {
         const AnyVariant* variant;
         std::unique_ptr<BuiltScene> scene;
-        std::unique_ptr<SceneViewer> viewer;
+        std::unique_ptr<SceneViewer> viewer;  ///< null: it does not take part
         int samples;
     };
 
@@ -92,8 +92,9 @@ class SceneRun {
         return std::size_t(least - values.begin());
     }
 
-    std::unique_ptr<SceneViewer> viewer(const BuiltScene& scene, int samples) const {
-        return scene.viewer({.samples = samples, .light = {}, .culls_back_faces = culls_back_faces(name_)});
+    std::unique_ptr<SceneViewer> viewer(const BuiltScene& scene, int samples,
+                                        scenes::RendererKind renderer = scenes::RendererKind::z_buffer) const {
+        return scene.viewer({.kind = renderer, .samples = samples, .culls_back_faces = culls_back_faces(name_)});
     }
 
     /// The exact picture at 1, 4, 16 and 64 samples a pixel is a curve of its own.
@@ -134,48 +135,51 @@ class SceneRun {
         for (const int samples : options_.samples) {
             for (Built& b : built) {
                 b.viewer.reset();  // it holds a copy of all triangles
-                b.viewer = viewer(*b.scene, samples);
-                b.samples = samples;
+                // What has samples of its own is drawn once.
+                if (b.variant->has_own_samples() && samples != options_.samples.front()) continue;
+                b.samples = b.variant->samples(samples);
+                b.viewer = viewer(*b.scene, b.samples, b.variant->renderer);
             }
-            measure_places(built);
+            measure_places(built, samples);
         }
     }
 
-    void measure_places(const std::vector<Built>& built) {
+    /// `samples` were asked for.
+    void measure_places(const std::vector<Built>& built, int samples) {
         const auto rounds = options_.tolerances_px.size();
         for (const Place& place : places_) {
             const double seconds = double(rounds) * guess_round_seconds(stored_, built.size(), options_);
-            const int samples = built.front().samples;
             schedule_.begin(name_ + ": from " + csv_number(place.distance) + " radii, " + std::to_string(samples) +
                                 (samples == 1 ? " sample" : " samples") + " a pixel",
                             seconds, int(rounds));
             for (std::size_t t = 0; t < rounds; ++t) {
                 if (was_interrupted()) return;
-                measure_round(built, place, t);
+                measure_round(built, place, t, samples);
                 schedule_.step();
             }
         }
     }
 
     /// All variants at one tolerance from one place.
-    void measure_round(const std::vector<Built>& built, const Place& place, std::size_t tolerance) {
+    void measure_round(const std::vector<Built>& built, const Place& place, std::size_t tolerance, int samples) {
         std::vector<Contestant> turns{{exact_viewer_.get(), place.view}};
         std::vector<const Built*> who{nullptr};
         for (const Built& b : built) {
-            if (!b.variant->stands_in && tolerance != 0) continue;  // no tolerance changes anything
+            if (!b.viewer || (!b.variant->stands_in && tolerance != 0)) continue;  // no tolerance changes anything
             View view = place.view;
             view.distance = b.variant->distance;
             if (b.variant->stands_in) view.tolerance_px = float(options_.tolerances_px[tolerance]);
             turns.push_back({b.viewer.get(), view});
             who.push_back(&b);
         }
+        if (turns.size() == 1) return;
         take_turns(std::span(turns), options_.repetitions, limit_seconds, was_interrupted);
         for (std::size_t i = 1; i < turns.size(); ++i) {
             const AnyVariant& variant = *who[i]->variant;
             const Row::Number tolerance_px =
                 variant.stands_in ? Row::Number(options_.tolerances_px[tolerance]) : std::nullopt;
             add(variant.name, *who[i]->scene, who[i]->samples, place, turns[i], tolerance_px);
-            const bool is_pictured = &place == &places_[pictured_] && who[i]->samples == options_.samples.front() &&
+            const bool is_pictured = &place == &places_[pictured_] && samples == options_.samples.front() &&
                                      (!variant.stands_in || tolerance == pictured_tolerance_);
             if (is_pictured) write_pictures(variant.name, turns[i].viewer->image());
         }

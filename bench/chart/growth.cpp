@@ -55,7 +55,7 @@ class SeriesRun {
         for (const AnyVariant* variant : variants_) {
             if (was_interrupted()) return;
             built.push_back(variant->build(scene));
-            viewers.push_back(built.back()->viewer({}));
+            viewers.push_back(built.back()->viewer({.kind = variant->renderer, .samples = variant->samples(1)}));
             schedule_.step();
         }
         const bool times_plain = triangles <= plain_limit;
@@ -97,6 +97,7 @@ class SeriesRun {
 
     void add(Row row, const AnyVariant& variant, const Contestant& turn, const scenes::BuiltScene& built) {
         row.variant = variant.name;
+        row.samples = variant.samples(1);
         if (variant.stands_in) row.tolerance_px = tolerance_px;
         set_measured(row, turn, built.facts());
         output_.add(std::move(row));

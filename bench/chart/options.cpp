@@ -96,7 +96,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         add_list("--distances", options.distances, "eye to center, in halves of the scene's largest side", "D,...");
     app.add_option("--angle", options.angle_degrees, "degrees off the front, about the up axis")->type_name("DEG");
     auto* const tolerances = add_list("--tolerances", options.tolerances_px, "errors stand-ins may have", "PX,...");
-    auto* const samples = add_list("--samples", options.samples, "of variants, a pixel: squares up to 64", "N,...");
+    auto* const samples =
+        add_list("--samples", options.samples, "of variants, a pixel: squares up to 64; with masks always 64", "N,...");
     auto* const repetitions =
         app.add_option("--repetitions", options.repetitions, "frames of each kind to time")->type_name("N");
     auto* const size = app.add_option("--size", options.size_px, "of the pictures, in pixels")->type_name("N");

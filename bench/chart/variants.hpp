@@ -19,9 +19,15 @@ struct AnyVariant {
     bool stands_in = false;  ///< else no tolerance changes anything
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     std::function<std::unique_ptr<scenes::BuiltScene>(const scenes::Scene&)> build;
+    scenes::RendererKind renderer = scenes::RendererKind::z_buffer;
+
+    /// A pixel, where so many are asked for: coverage masks have 64 for about the price of one.
+    int samples(int asked) const { return has_own_samples() ? 64 : asked; }
+    bool has_own_samples() const { return renderer == scenes::RendererKind::coverage; }
 };
 
-/// All, in the order of the list; the first is exact.
+/// All in the order of the list, drawn by the z-buffer; then those drawn with coverage masks, whose names say so. The
+/// first is exact.
 const std::vector<AnyVariant>& all_variants();
 
 /// Those that a part of the program has been given to compile, and their places in the list. Each type takes some 15

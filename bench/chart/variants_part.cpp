@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -11,6 +12,12 @@
 namespace farfield::bench {
 namespace {
 
+/// All that the chart has, drawn by the z-buffer, with masks or both ways.
+auto listed_variants() {
+    return std::tuple_cat(variants(), strict_variants());
+}
+constexpr std::size_t with_masks = 1000;  // after all that are drawn by the z-buffer
+
 template <class V>
 AnyVariant any(const V& variant) {
     using Hierarchy = typename V::hierarchy_type;
@@ -19,6 +26,14 @@ AnyVariant any(const V& variant) {
         return std::make_unique<scenes::PlacedScene<Hierarchy>>(scene, partition, variant.approximation, variant.cost);
     };
     return {variant.name, Hierarchy::approximation_type::facts.stands_in, distance_measure(variant), build};
+}
+
+template <class V>
+AnyVariant any_with_masks(const V& variant) {
+    AnyVariant result = any(variant);
+    result.name += "+masks";
+    result.renderer = scenes::RendererKind::coverage;
+    return result;
 }
 
 /// Of the variants that are of one type and differ in their options: those are compiled together.
@@ -33,13 +48,19 @@ constexpr std::size_t first_place(const std::tuple<V...>*) {
 template <>
 std::vector<std::pair<std::size_t, AnyVariant>> variants_of_part<FARFIELD_VARIANT_PART>() {
     std::vector<std::pair<std::size_t, AnyVariant>> ours;
-    const auto list = variants();
+    const auto list = listed_variants();
     const auto add = [&]<std::size_t place>() {
-        using List = decltype(variants());
+        using List = decltype(listed_variants());
         using Hierarchy = typename std::tuple_element_t<place, List>::hierarchy_type;
         constexpr std::size_t first = first_place<Hierarchy>(static_cast<const List*>(nullptr));
         if constexpr (first % FARFIELD_VARIANT_PARTS == FARFIELD_VARIANT_PART) {
-            ours.emplace_back(place, any(std::get<place>(list)));
+            const auto& variant = std::get<place>(list);
+            constexpr bool is_strict = Hierarchy::ordering == Ordering::primitives;
+            if (!is_strict) ours.emplace_back(place, any(variant));
+            if (is_strict || (is_drawn_with_masks(variant) &&
+                              scenes::PlacedScene<Hierarchy>::obstacle(scenes::RendererKind::coverage).empty())) {
+                ours.emplace_back(with_masks + place, any_with_masks(variant));
+            }
         }
     };
     [&]<std::size_t... place>(std::index_sequence<place...>) {

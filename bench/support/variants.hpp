@@ -1,7 +1,10 @@
 // What the experiments compare: every composition of these policies. A new policy is one line here.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 
@@ -10,7 +13,9 @@
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/cost/triangle_count.hpp"
+#include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/variants.hpp"
 #include "farfield/view.hpp"
 
@@ -35,6 +40,20 @@ inline auto variants() {
         std::tuple{
             Named{"", TriangleCount{}},
         });
+}
+
+/// Those that keep primitives in strict order, for coverage masks (Greene 1996). They draw everything exactly.
+inline auto strict_variants() {
+    return variants_of(std::tuple{Named{"bsp", PolygonBsp{}}, Named{"octree-of-bsps", Nested<Octree, PolygonBsp>{}}},
+                       std::tuple{Named{"", Exact{}}}, std::tuple{Named{"", TriangleCount{}}});
+}
+
+/// Whether experiments draw it with coverage masks, too: the gain from hiding what is hidden and from 64 samples a
+/// pixel is much the same for its relatives.
+template <class V>
+bool is_drawn_with_masks(const V& variant) {
+    constexpr std::array<std::string_view, 3> names{"exact", "color-cube", "opacity-tensor"};
+    return std::find(names.begin(), names.end(), variant.name) != names.end();
 }
 
 /// Of the report of 1995: opaque faces go with a uniform depth and with the depth of a cell as its distance.

@@ -1,6 +1,8 @@
 #include "report/picture.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdlib>
 
 namespace farfield::report {
@@ -29,6 +31,22 @@ Image difference(const Image& a, const Image& b) {
     for (std::size_t i = 0; i < result.pixels().size(); ++i) {
         const Rgba8 p = a.pixels()[i], q = b.pixels()[i];
         result.pixels()[i] = {amplified(p.r, q.r), amplified(p.g, q.g), amplified(p.b, q.b), 255};
+    }
+    return result;
+}
+
+Image work_image(const WorkMap& map, int width, int height) {
+    Image result(width, height);
+    int side = 1;  // of a square: a power of 2
+    while (map.columns * side < width || map.rows * side < height) side *= 2;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const std::size_t at = std::size_t(y / side) * std::size_t(map.columns) + std::size_t(x / side);
+            const float visits = map.visits[at] / float(side * side);
+            const float scaled = visits > 0 ? (std::log2(visits) + 6) / 12 : 0.0f;
+            const auto gray = std::uint8_t(std::clamp(scaled, 0.0f, 1.0f) * 255 + 0.5f);
+            result.at(x, y) = {gray, gray, gray, 255};
+        }
     }
     return result;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "farfield/raster/image.hpp"
 
@@ -21,6 +22,16 @@ inline constexpr int difference_gain = 4;
 
 /// Absolute differences of each channel times difference_gain, opaque, black where equal. Of one size.
 Image difference(const Image& a, const Image& b);
+
+/// How often something was visited, row by row: a value for each pixel, or for each square of them.
+struct WorkMap {
+    std::span<const float> visits;
+    int columns = 0, rows = 0;
+};
+
+/// In grays of a logarithmic scale: black is 1/64 a pixel or less, the middle 1, white 64 or more. Visits of a square
+/// are shared out among its pixels, `width` being about `columns` times its side.
+Image work_image(const WorkMap& map, int width, int height);
 
 /// Colors only, for opaque images. Throws std::runtime_error naming the file.
 void write_png(const Image& image, const std::filesystem::path& file);

@@ -4,9 +4,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "farfield/raster/image.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
 #include "farfield/view.hpp"
+#include "scenes/any_renderer.hpp"
 
 namespace farfield::scenes {
 
@@ -15,6 +14,8 @@ struct BuildFacts {
     std::uint64_t bytes = 0;  ///< of all hierarchies; one that is placed many times counts once, like below
     std::uint64_t cells = 0;
     std::uint32_t levels = 0;  ///< of the deepest hierarchy
+    /// What is drawn comes in strict order, so that coverage masks need not compare depths.
+    bool keeps_strict_order = false;
 };
 
 /// Draws frames of a BuiltScene, which outlives it.
@@ -24,12 +25,18 @@ class SceneViewer {
     virtual FrameStats frame(const View& view) = 0;
     /// Of the last frame; premultiplied, coverage in alpha.
     virtual const Image& image() const = 0;
+    /// Of the last frame: of coverage masks, null of others.
+    virtual const CoverageWork* work() const { return nullptr; }
+    /// Likewise, where RendererChoice::maps_work.
+    virtual const CoverageWorkImage* work_map() const { return nullptr; }
 };
 
 class BuiltScene {
   public:
     virtual ~BuiltScene() = default;
-    virtual std::unique_ptr<SceneViewer> viewer(const ZBufferOptions& options) const = 0;
+    /// Throws std::invalid_argument, one line, where the renderer cannot draw it: where obstacle() of its type says so,
+    /// where something lacks the order that the renderer needs, or for samples that it does not take.
+    virtual std::unique_ptr<SceneViewer> viewer(const RendererChoice& choice) const = 0;
     const BuildFacts& facts() const { return facts_; }
 
   protected:

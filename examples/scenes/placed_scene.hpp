@@ -6,8 +6,15 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "farfield/raster/coverage_renderer.hpp"
+#include "farfield/raster/hierarchical_z_renderer.hpp"
+#include "farfield/raster/painter_renderer.hpp"
+#include "farfield/raster/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/built_scene.hpp"
 #include "scenes/object.hpp"
@@ -41,15 +48,41 @@ class PlacedScene final : public BuiltScene {
             facts_.bytes += group.hierarchy.bytes();
             facts_.cells += group.hierarchy.nodes().size();
             facts_.levels = std::max(facts_.levels, group.hierarchy.report().levels);
+            facts_.keeps_strict_order = (g == 0 || facts_.keeps_strict_order) && group.hierarchy.keeps_strict_order();
         }
     }
 
-    std::unique_ptr<SceneViewer> viewer(const ZBufferOptions& options) const override {
-        const Group& root = groups_.back();
-        if (root.objects.empty()) {
-            return std::make_unique<Frames<Triangle>>(root.hierarchy, root.triangles, options);
+    std::unique_ptr<SceneViewer> viewer(const RendererChoice& choice) const override {
+        switch (choice.kind) {
+            case RendererKind::hierarchical_z:
+                return frames<HierarchicalZRenderer>(choice);
+            case RendererKind::painter:
+                return frames<PainterRenderer>(choice);
+            case RendererKind::coverage:
+                if constexpr (DrawableWith<Hierarchy, Triangle, StrictCoverageRenderer>) {
+                    if (facts_.keeps_strict_order) return frames<StrictCoverageRenderer>(choice);
+                }
+                return frames<CoverageRenderer>(choice);
+            case RendererKind::z_buffer:
+                break;
         }
-        return std::make_unique<Frames<Object<Hierarchy>>>(root.hierarchy, root.objects, options);
+        return frames<ZBufferRenderer>(choice);
+    }
+
+    /// What is in the way of drawing such a scene, to be read after the renderer's name; empty: nothing, but for the
+    /// order that its hierarchies may turn out not to keep.
+    static std::string_view obstacle(RendererKind kind) {
+        switch (kind) {
+            case RendererKind::hierarchical_z:
+                return obstacle_for<HierarchicalZRenderer>();
+            case RendererKind::painter:
+                return obstacle_for<PainterRenderer>();
+            case RendererKind::coverage:
+                return obstacle_for<CoverageRenderer>();
+            case RendererKind::z_buffer:
+                break;
+        }
+        return obstacle_for<ZBufferRenderer>();
     }
 
   private:
@@ -59,18 +92,42 @@ class PlacedScene final : public BuiltScene {
         Hierarchy hierarchy;
     };
 
-    template <class P>
+    template <class P, class Renderer>
     class Frames final : public SceneViewer {
       public:
-        Frames(const Hierarchy& hierarchy, const std::vector<P>& primitives, const ZBufferOptions& options)
-            : renderer_(options), viewer_(hierarchy, std::span<const P>(primitives), renderer_) {}
+        Frames(const Hierarchy& hierarchy, const std::vector<P>& primitives, const RendererChoice& choice)
+            : renderer_(make_renderer(choice, Renderer::facts.needs_ordering == Ordering::primitives)),
+              viewer_(hierarchy, std::span<const P>(primitives), renderer_) {}
         FrameStats frame(const View& view) override { return viewer_.frame(view); }
-        const Image& image() const override { return renderer_.image(); }
+        const Image& image() const override { return renderer_.any().image(); }
+        const CoverageWork* work() const override { return renderer_.any().work(); }
+        const CoverageWorkImage* work_map() const override { return renderer_.any().work_map(); }
 
       private:
-        ZBufferRenderer renderer_;
-        Viewer<Hierarchy, P, ZBufferRenderer> viewer_;
+        RendererLike<Renderer> renderer_;
+        Viewer<Hierarchy, P, RendererLike<Renderer>> viewer_;
     };
+
+    template <class Renderer>
+    static constexpr std::string_view obstacle_for() {
+        if (Hierarchy::ordering < Renderer::facts.needs_ordering) return "needs primitives in strict order";
+        if (Approximation::facts.stands_in && !Renderer::facts.draws_faces) return "does not draw stand-ins";
+        return {};
+    }
+
+    template <class Renderer>
+    std::unique_ptr<SceneViewer> frames(const RendererChoice& choice) const {
+        if constexpr (DrawableWith<Hierarchy, Triangle, Renderer>) {
+            const Group& root = groups_.back();
+            if (root.objects.empty()) {
+                return std::make_unique<Frames<Triangle, Renderer>>(root.hierarchy, root.triangles, choice);
+            }
+            return std::make_unique<Frames<Object<Hierarchy>, Renderer>>(root.hierarchy, root.objects, choice);
+        } else {
+            throw std::invalid_argument("the renderer " + std::string(name_of(choice.kind)) + " " +
+                                        std::string(obstacle_for<Renderer>()));
+        }
+    }
 
     std::vector<Object<Hierarchy>> objects_of(const scenes::Group& group) const {
         std::vector<Object<Hierarchy>> objects;

@@ -16,9 +16,16 @@ Json finite(double value) {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
+Json json_of(const std::optional<CoverageCells>& c) {
+    if (!c) return nullptr;
+    return {{"order", c->is_strict ? "strict" : "lazy"},
+            {"cells_a_pixel", {{"tiling", c->tiling}, {"asking", c->asking}}}};
+}
+
 Json json_of(const Result& r) {
     const Errors& e = r.errors;
     return {{"name", r.name},
+            {"renderer", name_of(r.renderer)},
             {"build_seconds", r.build.seconds},
             {"hierarchy_bytes", r.build.bytes},
             {"cells", r.build.cells},
@@ -43,7 +50,8 @@ Json json_of(const Result& r) {
               {"approximations", r.drawn.approximations},
               {"by_level", r.drawn.approximations_by_level}}},
             {"cells_visited", r.drawn.cells_visited},
-            {"working_set_bytes", r.drawn.touched_bytes}};
+            {"working_set_bytes", r.drawn.touched_bytes},
+            {"coverage", json_of(r.coverage)}};
 }
 
 }  // namespace

@@ -13,8 +13,19 @@
 namespace walkthrough {
 namespace {
 
-constexpr std::string_view renderers[] = {"z-buffer"};
-constexpr std::string_view planned_renderers[] = {"coverage", "hierarchical-z", "painter", "opengl"};
+using farfield::scenes::name_of;
+using farfield::scenes::renderer_kinds;
+using farfield::scenes::RendererKind;
+
+/// One a RendererKind, in their order.
+constexpr std::string_view renderer_descriptions[] = {
+    "scan conversion with a depth a sample",
+    "hierarchical tiling with coverage masks, 1 or 64 samples a pixel (Greene 1996)",
+    "the z-buffer under a pyramid that tells what is hidden (Greene, Kass and Miller 1993)",
+    "back to front, overwriting: bsp and octree-of-bsps only (as Greene 1996, section 9 compares with)",
+};
+static_assert(std::size(renderer_descriptions) == renderer_kinds.size());
+constexpr std::string_view planned_renderers[] = {"opengl"};
 constexpr int frames_of_a_flight = 48;
 constexpr int frames_of_a_fixed_view = 21;
 /// The reference has eight samples on a pixel's side, and the z-buffer takes 16,000 on an image's.
@@ -34,23 +45,41 @@ std::string list() {
         text << "  " << v.name << std::string(24 - v.name.size(), ' ') << v.description << "\n";
     }
     text << "renderers:\n";
-    for (const std::string_view r : renderers) text << "  " << r << "\n";
+    for (const RendererKind kind : renderer_kinds) {
+        const std::string_view name = name_of(kind);
+        text << "  " << name << std::string(24 - name.size(), ' ') << renderer_descriptions[std::size_t(kind)] << "\n";
+    }
     return text.str();
 }
 
-/// "all", or names with commas between them. Exact comes first, asked for or not.
-std::vector<std::string> parse_variants(const std::string& names) {
+std::string names_drawn_by(RendererKind renderer) {
+    std::string names;
+    for (const Variant& v : variants()) {
+        if (v.obstacle(renderer).empty()) names.append(names.empty() ? "" : ", ").append(v.name);
+    }
+    return names;
+}
+
+/// "all" that the renderer draws, or names with commas between them. Exact comes first, asked for or not.
+std::vector<std::string> parse_variants(const std::string& names, RendererKind renderer) {
     std::vector<std::string> result{"exact"};
     const auto add = [&](std::string_view name) {
         if (std::find(result.begin(), result.end(), name) == result.end()) result.emplace_back(name);
     };
     if (names == "all") {
-        for (const Variant& v : variants()) add(v.name);
+        for (const Variant& v : variants()) {
+            if (v.obstacle(renderer).empty()) add(v.name);
+        }
         return result;
     }
     std::istringstream rest(names + ",");
     for (std::string name; std::getline(rest, name, ',');) {
-        if (find_variant(name) == nullptr) throw UsageError("no variant " + in_quotes(name) + "; --list shows them");
+        const Variant* const variant = find_variant(name);
+        if (variant == nullptr) throw UsageError("no variant " + in_quotes(name) + "; --list shows them");
+        if (const std::string_view obstacle = variant->obstacle(renderer); !obstacle.empty()) {
+            throw UsageError("the renderer " + in_quotes(name_of(renderer)) + " " + std::string(obstacle) +
+                             ", so not " + in_quotes(name) + "; it draws " + names_drawn_by(renderer));
+        }
         add(name);
     }
     return result;
@@ -71,8 +100,10 @@ void parse_size(std::string_view text, Options& options) {
     }
 }
 
-void check_renderer(std::string_view name) {
-    if (std::find(std::begin(renderers), std::end(renderers), name) != std::end(renderers)) return;
+RendererKind parse_renderer(std::string_view name) {
+    for (const RendererKind kind : renderer_kinds) {
+        if (name_of(kind) == name) return kind;
+    }
     const bool planned =
         std::find(std::begin(planned_renderers), std::end(planned_renderers), name) != std::end(planned_renderers);
     throw UsageError(
@@ -85,6 +116,9 @@ void check_numbers(const Options& options) {
     while (side * side < options.samples && side < 8) ++side;
     if (side * side != options.samples) {
         throw UsageError("--samples must be 1, 4, 9, 16, 25, 36, 49 or 64, not " + std::to_string(options.samples));
+    }
+    if (options.renderer == RendererKind::coverage && options.samples != 1 && options.samples != 64) {
+        throw UsageError("--samples must be 1 or 64 with --renderer coverage, not " + std::to_string(options.samples));
     }
     if (options.frames < 1 || options.frames > 1'000'000) throw UsageError("--frames must be from 1 to 1000000");
     if (options.distance && !(*options.distance > 0 && *options.distance <= 1e6)) {
@@ -109,8 +143,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     app.add_option("--scene", options.scene, "name of a generated scene, or a file")->type_name("NAME|FILE");
     app.add_option("--variant", variant_names, "names with commas between them, or all; exact always comes first")
         ->type_name("NAME[,NAME...]");
-    app.add_option("--renderer", renderer, "what draws: z-buffer")->type_name("NAME");
-    app.add_option("--samples", options.samples, "samples a pixel of what is timed: a square up to 64")->type_name("N");
+    app.add_option("--renderer", renderer, "what draws: z-buffer, coverage, hierarchical-z or painter")
+        ->type_name("NAME");
+    app.add_option("--samples", options.samples,
+                   "samples a pixel of what is timed: a square up to 64, of coverage 1 or 64")
+        ->type_name("N");
     app.add_option("--size", size, "of the images in pixels (default 640x360)")->type_name("WxH");
     app.add_option("--frames", options.frames, "how many (default 48 on a flight, 21 from one place)")->type_name("N");
     const auto* const distance_option =
@@ -136,8 +173,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         return std::nullopt;
     }
     if (budget_option->count() != 0) throw UsageError("--budget-ms is not available yet");
-    check_renderer(renderer);
-    options.variants = parse_variants(variant_names);
+    options.renderer = parse_renderer(renderer);
+    options.variants = parse_variants(variant_names, options.renderer);
     if (!size.empty()) parse_size(size, options);
     if (distance_option->count() != 0) options.distance = distance;
     if (app.get_option("--frames")->count() == 0) {

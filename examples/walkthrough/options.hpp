@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/renderer_choice.hpp"
+
 namespace walkthrough {
 
 /// The user asked for what cannot be: one line, exit status 2.
@@ -17,11 +19,13 @@ struct UsageError : std::runtime_error {
 struct Options {
     std::string scene = "tree";         ///< a name of the catalog, or a file
     std::vector<std::string> variants;  ///< known names, each once, exact first
-    int samples = 1;                    ///< a pixel, of the frames that are timed
-    int width = 640, height = 360;      ///< pixels
-    int frames = 0;                     ///< above 0
-    std::optional<double> distance;     ///< from the scene's center, in its radii; none: fly through
-    double angle_degrees = 0;           ///< off the front, about the up axis
+    /// Of the frames that are timed. It draws all variants but exact, which the z-buffer draws where it cannot.
+    farfield::scenes::RendererKind renderer = farfield::scenes::RendererKind::z_buffer;
+    int samples = 1;                 ///< a pixel, of the frames that are timed
+    int width = 640, height = 360;   ///< pixels
+    int frames = 0;                  ///< above 0
+    std::optional<double> distance;  ///< from the scene's center, in its radii; none: fly through
+    double angle_degrees = 0;        ///< off the front, about the up axis
     float tolerance_px = 1;
     std::optional<std::filesystem::path> out_directory;
     std::optional<std::filesystem::path> json_file;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,21 @@ struct Drawn {
     std::vector<double> approximations_by_level;  ///< up to the last that is not 0
 };
 
+/// Means over all frames, of coverage masks: how often cells of their pyramid are visited, a pixel of the picture.
+struct CoverageCells {
+    bool is_strict = false;  ///< polygons came in strict order
+    double tiling = 0;       ///< for polygons
+    double asking = 0;       ///< for questions whether a box is hidden
+};
+
 struct Result {
     std::string name;
+    farfield::scenes::RendererKind renderer{};
     farfield::scenes::BuildFacts build;
     std::vector<double> frame_ms;  ///< in the order in which they were drawn
     std::vector<double> exact_ms;  ///< of exact, each right before the variant's
     Drawn drawn;
+    std::optional<CoverageCells> coverage;  ///< none of other renderers
     Errors errors;
 };
 

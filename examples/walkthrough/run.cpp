@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "farfield/measure/projected_rect.hpp"
@@ -18,6 +19,8 @@ using farfield::FrameStats;
 using farfield::Image;
 using farfield::View;
 using farfield::scenes::BuiltScene;
+using farfield::scenes::RendererChoice;
+using farfield::scenes::RendererKind;
 using farfield::scenes::SceneViewer;
 
 /// Exact at 64 samples a pixel, of one frame.
@@ -37,16 +40,27 @@ class Run {
         progress_.begin("building exact");
         exact_ = variants().front().build(setting_.scene);
         make_references();
-        exact_viewer_ = exact_->viewer(renderer(options_.samples));
+        exact_renderer_ =
+            variants().front().obstacle(options_.renderer).empty() ? options_.renderer : RendererKind::z_buffer;
+        exact_viewer_ = exact_->viewer(renderer(exact_renderer_, options_.samples));
         std::vector<Result> results;
         for (const std::string& name : options_.variants) results.push_back(result_of(*find_variant(name)));
         return results;
     }
 
   private:
-    farfield::ZBufferOptions renderer(int samples) const {
-        // No background: coverage is compared too.
-        return {.samples = samples, .light = {}, .culls_back_faces = setting_.culls_back_faces};
+    RendererChoice renderer(RendererKind kind, int samples, bool maps_work = false) const {
+        return {
+            .kind = kind, .samples = samples, .culls_back_faces = setting_.culls_back_faces, .maps_work = maps_work};
+    }
+
+    /// Throws UsageError where what was built turns out not to be in the order that the renderer needs.
+    std::unique_ptr<SceneViewer> viewer_of(const BuiltScene& built, bool maps_work = false) const {
+        try {
+            return built.viewer(renderer(options_.renderer, options_.samples, maps_work));
+        } catch (const std::invalid_argument& error) {
+            throw UsageError(error.what());
+        }
     }
 
     View view_of(int frame, farfield::DistanceMeasure distance = {}) const {
@@ -59,7 +73,7 @@ class Run {
 
     void make_references() {
         // Its viewer goes before the next comes: each holds a copy of all triangles.
-        const auto viewer = exact_->viewer(renderer(64));
+        const auto viewer = exact_->viewer(renderer(RendererKind::z_buffer, 64));
         progress_.begin("drawing references", int(flight_.quality_frames.size()));
         for (const int frame : flight_.quality_frames) {
             const View view = view_of(frame);
@@ -82,9 +96,10 @@ class Run {
         if (!is_exact) {
             progress_.begin("building " + result.name);
             built = variant.build(setting_.scene);
-            viewer = built->viewer(renderer(options_.samples));
+            viewer = viewer_of(*built);
         }
         result.build = (is_exact ? exact_ : built)->facts();
+        result.renderer = is_exact ? exact_renderer_ : options_.renderer;
         progress_.begin("drawing " + result.name, options_.frames);
         auto reference = references_.begin();
         for (int frame = 0; frame < options_.frames; ++frame) {
@@ -93,10 +108,15 @@ class Run {
             result.frame_ms.push_back(is_exact ? result.exact_ms.back()
                                                : timed(*viewer, view_of(frame, variant.distance), stats));
             add(stats, result.drawn);
+            add((is_exact ? exact_viewer_ : viewer)->work(), result);
             if (reference != references_.end() && reference->frame == frame) {
                 compare((is_exact ? exact_viewer_ : viewer)->image(), *reference++, result);
             }
             progress_.step();
+        }
+        if (result.coverage && options_.out_directory) {
+            viewer.reset();  // it holds a copy of all triangles
+            draw_work(*(is_exact ? exact_ : built), variant);
         }
         return result;
     }
@@ -121,6 +141,37 @@ class Run {
         }
     }
 
+    /// Null where none is counted.
+    void add(const farfield::CoverageWork* work, Result& result) const {
+        if (work == nullptr) return;
+        if (!result.coverage) result.coverage = CoverageCells{result.build.keeps_strict_order};
+        const double weight = 1.0 / options_.frames / options_.width / options_.height;
+        result.coverage->tiling += weight * double(work->cells_tiled);
+        result.coverage->asking += weight * double(work->cells_asked);
+    }
+
+    /// "Work images" (Greene 1996, figure 3) of the frames that are compared: by tiling polygons, by asking about
+    /// cells, and their sum. Not while time is taken.
+    void draw_work(const BuiltScene& built, const Variant& variant) {
+        const auto viewer = viewer_of(built, true);
+        progress_.begin("drawing the work on " + std::string(variant.name), int(flight_.quality_frames.size()));
+        for (const int frame : flight_.quality_frames) {
+            viewer->frame(view_of(frame, variant.distance));
+            const farfield::CoverageWorkImage& work = *viewer->work_map();
+            std::vector<float> sum = work.tiled();
+            for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += work.asked()[i];
+            const auto write = [&](const std::vector<float>& visits, const char* kind) {
+                const report::WorkMap map{visits, work.columns(), work.rows()};
+                report::write_png(report::work_image(map, options_.width, options_.height),
+                                  file(std::string(variant.name), frame, kind));
+            };
+            write(work.tiled(), "_work_tiling");
+            write(work.asked(), "_work_asking");
+            write(sum, "_work");
+            progress_.step();
+        }
+    }
+
     void compare(const Image& image, const Reference& reference, Result& result) const {
         const Image picture = report::over_background(image, setting_.background);
         result.errors.add(reference.frame, image, reference.image, picture, reference.over_background, reference.rect);
@@ -142,6 +193,7 @@ class Run {
     report::Progress progress_;
     std::unique_ptr<BuiltScene> exact_;
     std::unique_ptr<SceneViewer> exact_viewer_;
+    RendererKind exact_renderer_ = RendererKind::z_buffer;
     std::vector<Reference> references_;
 };
 

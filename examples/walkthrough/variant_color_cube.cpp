@@ -2,19 +2,14 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/cost/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
-#include "scenes/placed_scene.hpp"
-#include "variants.hpp"
+#include "recipe.hpp"
 
 namespace walkthrough {
 namespace {
 
 using farfield::ColorCube;
 using farfield::Octree;
-using Scene = farfield::scenes::PlacedScene<farfield::SpatialHierarchy<Octree, ColorCube, farfield::TriangleCount>>;
-
-Octree adaptive(std::size_t) {
-    return {};
-}
+using Hierarchy = farfield::SpatialHierarchy<Octree, ColorCube, farfield::TriangleCount>;
 
 /// Surfaces fill four cells of eight. As deep as leaves a cell some ten triangles, the price of a splat: deeper ones
 /// have no stand-in that pays.
@@ -26,16 +21,16 @@ Octree uniform(std::size_t primitives) {
 
 }  // namespace
 
-std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube(const farfield::scenes::Scene& scene) {
-    return std::make_unique<Scene>(scene, adaptive, ColorCube{});
+Recipe color_cube() {
+    return recipe<Hierarchy>();
 }
 
-std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_direct(const farfield::scenes::Scene& scene) {
-    return std::make_unique<Scene>(scene, adaptive, ColorCube{.inner = ColorCube::Inner::direct});
+Recipe color_cube_direct() {
+    return recipe<Hierarchy>(ColorCube{.inner = ColorCube::Inner::direct});
 }
 
-std::unique_ptr<farfield::scenes::BuiltScene> build_color_cube_1995(const farfield::scenes::Scene& scene) {
-    return std::make_unique<Scene>(scene, uniform, ColorCube{.opacity = ColorCube::Opacity::thresholded});
+Recipe color_cube_1995() {
+    return recipe<Hierarchy>(uniform, ColorCube{.opacity = ColorCube::Opacity::thresholded});
 }
 
 }  // namespace walkthrough

@@ -1,15 +1,13 @@
 #include "farfield/approximation/exact.hpp"
 #include "farfield/cost/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
-#include "scenes/placed_scene.hpp"
-#include "variants.hpp"
+#include "recipe.hpp"
 
 namespace walkthrough {
 
-std::unique_ptr<farfield::scenes::BuiltScene> build_exact(const farfield::scenes::Scene& scene) {
-    using Hierarchy = farfield::SpatialHierarchy<farfield::Octree, farfield::Exact, farfield::TriangleCount>;
-    return std::make_unique<farfield::scenes::PlacedScene<Hierarchy>>(
-        scene, [](std::size_t) { return farfield::Octree{}; }, farfield::Exact{});
+Recipe exact() {
+    using namespace farfield;
+    return recipe<SpatialHierarchy<Octree, Exact, TriangleCount>>();
 }
 
 }  // namespace walkthrough

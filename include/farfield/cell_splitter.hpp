@@ -5,33 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "farfield/fingerprint.hpp"
+#include "farfield/draft_node.hpp"
 #include "farfield/geometry/triangle_box.hpp"
 #include "farfield/hierarchy_parts.hpp"
 #include "farfield/policy.hpp"
+#include "farfield/scene_intake.hpp"
 
 namespace farfield::detail {
-
-/// A cell while the hierarchy is built.
-template <class NodeData>
-struct DraftNode {
-    Cell cell;
-    NodeData data{};
-    std::size_t first = 0, count = 0;  ///< its items in this level's array; of a finished node in kept_
-    float cost = 0;                    ///< of its own run, later of its subtree
-    std::uint32_t first_child = 0;
-    std::uint8_t child_mask = 0;
-    Split answer = Split::no;
-    bool is_leaf = true;
-};
 
 /// Cells, parents before children, and the primitives that each keeps for its own run. Fills in what `parts` says of
 /// the scene as a whole and of what was refused.
@@ -57,51 +43,23 @@ class CellSplitter {
     }
 
     std::vector<Draft>& drafts() { return drafts_; }
-    const std::vector<std::uint32_t>& kept() const { return kept_; }
-
-  private:
-    [[noreturn]] static void refuse(std::size_t index, const char* why) {
-        throw std::invalid_argument("farfield: primitive " + std::to_string(index) + " " + why);
+    /// Appends what a cell keeps.
+    void append_items(const Draft& node) {
+        if (parts_.order.empty()) parts_.order.reserve(kept_.size());
+        parts_.order.insert(parts_.order.end(), kept_.begin() + std::ptrdiff_t(node.first),
+                            kept_.begin() + std::ptrdiff_t(node.first + node.count));
     }
 
+  private:
     void take_primitives() {
-        if (primitives_.size() > 0xfffffff0u) {
-            throw std::invalid_argument(
-                "farfield: more than 2^32 - 16 primitives; use instances or several hierarchies");
-        }
-        parts_.fingerprint = mixed(0, primitives_.size());
-        auto whole = decltype(primitive_traits<P>::bounds(std::declval<const P&>()))::empty();
-        for (std::size_t i = 0; i < primitives_.size(); ++i) {
-            const auto b = primitive_traits<P>::bounds(primitives_[i]);
-            if (b.is_empty()) refuse(i, "has an empty bounding box (lower > upper)");
-            if (!b.is_finite()) refuse(i, "has a bounding box that is not finite (NaN or infinity)");
-            whole.add(b);
-            parts_.fingerprint = mixed(parts_.fingerprint, b);
-        }
-        if constexpr (has_double_bounds<P>) {
-            if (!whole.is_empty()) parts_.origin = whole.center();
-        }
-        items_.resize(primitives_.size());
-        if constexpr (items_are_shared) {
-            whole_cost_.resize(primitives_.size());
-            cells_with_.assign(primitives_.size(), 1);
-        }
+        items_.reserve(primitives_.size());
         float total = 0;
-        for (std::size_t i = 0; i < primitives_.size(); ++i) {
-            const Work work = work_of(primitives_[i]);
-            items_[i] = {local_bounds(primitives_[i], parts_.origin), std::uint32_t(i), cost_.cost(work)};
-            if (!(items_[i].cost >= 0)) refuse(i, "has a cost below 0 or NaN");
-            if constexpr (items_are_shared) whole_cost_[i] = items_[i].cost;
-            parts_.bounds.add(items_[i].bounds);
-            parts_.work += work;
-            total += items_[i].cost;
-        }
-        if (!parts_.bounds.is_empty() &&
-            !(parts_.bounds.is_finite() && std::isfinite(4 * parts_.bounds.largest_side()))) {
-            throw std::invalid_argument("farfield: the scene's extent overflows single precision");
-        }
-        parts_.primitive_count = primitives_.size();
-        parts_.report.primitives = primitives_.size();
+        take_scene(primitives_, cost_, parts_, [&](const Item& item) {
+            items_.push_back(item);
+            if constexpr (items_are_shared) whole_cost_.push_back(item.cost);
+            total += item.cost;
+        });
+        if constexpr (items_are_shared) cells_with_.assign(primitives_.size(), 1);
         parts_.root = partition_.root(parts_.bounds);
         drafts_.push_back({.cell = parts_.root, .count = items_.size(), .cost = total});
     }

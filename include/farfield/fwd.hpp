@@ -29,6 +29,7 @@ struct Instance;
 enum Assignment : unsigned;
 template <Assignment assigned>
 struct BasicOctree;
+struct PolygonBsp;
 struct Exact;
 struct ColorCube;
 struct OpacityTensor;

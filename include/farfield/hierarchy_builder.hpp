@@ -1,6 +1,6 @@
-// How a hierarchy is built, in phases: split (cell_splitter.hpp) -> order, depth first -> stand-ins, bottom up ->
-// freeze, which keeps what pays and is not told already (story_merger.hpp). Only freezing makes runs: policies may
-// still move items before it.
+// How a hierarchy is built, in phases: split (cell_splitter.hpp, or cell_clipper.hpp where polygons are cut) -> order,
+// depth first -> stand-ins, bottom up -> freeze, which keeps what pays and is not told already (story_merger.hpp). Only
+// freezing makes runs: policies may still move items before it.
 #pragma once
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "farfield/cell_clipper.hpp"
 #include "farfield/cell_splitter.hpp"
 #include "farfield/hierarchy_parts.hpp"
 #include "farfield/policy.hpp"
@@ -45,11 +46,10 @@ class HierarchyBuilder {
 
     Parts build() {
         {
-            CellSplitter<Part, A, C, P, Executor> splitter(primitives_, partition_, approximation_, cost_, options_,
-                                                           executor_, parts_);
+            Splitter splitter(primitives_, partition_, approximation_, cost_, options_, executor_, parts_);
             splitter.split();
             drafts_ = std::move(splitter.drafts());
-            order_depth_first(splitter.kept());
+            order_depth_first(splitter);
         }
         std::vector<typename decltype(draft_type())::type> drafts;
         if constexpr (A::facts.stands_in) make_drafts(drafts);
@@ -59,6 +59,16 @@ class HierarchyBuilder {
 
   private:
     using DraftCell = DraftNode<typename Part::node_data>;
+    static constexpr bool cuts = (Part::facts.offers & A::facts.accepts & (unique | clipped)) == clipped;
+
+    static auto splitter_type() {
+        if constexpr (cuts) {
+            return std::type_identity<CellClipper<Part, A, C, P, Executor>>{};
+        } else {
+            return std::type_identity<CellSplitter<Part, A, C, P, Executor>>{};
+        }
+    }
+    using Splitter = typename decltype(splitter_type())::type;
 
     static auto draft_type() {
         if constexpr (A::facts.stands_in) {
@@ -69,11 +79,10 @@ class HierarchyBuilder {
     }
 
     /// New places of nodes (blocks of siblings, depth first) and of items; costs summed up from the leaves.
-    void order_depth_first(const std::vector<std::uint32_t>& kept) {
+    void order_depth_first(Splitter& splitter) {
         new_index_.resize(drafts_.size());
         first_item_.resize(drafts_.size());
         end_item_.resize(drafts_.size());
-        parts_.order.reserve(kept.size());
         std::uint32_t next = 1;
         std::vector<std::pair<std::uint32_t, bool>> stack{{0, false}};
         while (!stack.empty()) {
@@ -85,8 +94,7 @@ class HierarchyBuilder {
             }
             const DraftCell& node = drafts_[n];
             first_item_[n] = std::uint32_t(parts_.order.size());
-            parts_.order.insert(parts_.order.end(), kept.begin() + std::ptrdiff_t(node.first),
-                                kept.begin() + std::ptrdiff_t(node.first + node.count));
+            splitter.append_items(node);
             stack.emplace_back(n, true);
             const auto children = unsigned(std::popcount(node.child_mask));
             for (unsigned c = 0; c < children; ++c) new_index_[node.first_child + c] = next + c;
@@ -112,23 +120,34 @@ class HierarchyBuilder {
 #endif
     }
 
+    template <class Sink>
+    void send_polygons(std::uint32_t position, Sink& sink) const {
+        if constexpr (cuts) {
+            if (const Polygon fragment = Fragments(parts_.fragments)[position]; !fragment.vertices.empty()) {
+                sink(fragment);
+                return;
+            }
+        }
+        prefetch(position + 12);
+        if constexpr (PrimitiveWithPolygons<P>) {
+            local_polygons(primitives_[parts_.order[position]], parts_.origin, sink);
+        }
+    }
+
     template <class Draft>
     void make_drafts(std::vector<Draft>& drafts) {
         drafts.resize(drafts_.size());
         const bool all = approximation_.wants_all_contents(Part::facts);
+        // Cells of a few pieces are most of them; where their parents need no drafts, neither do they.
+        if (cuts && all) least_cost_ = cost_.cost(approximation_.expected_work());
         constexpr std::size_t chunk = 64;
         executor_((drafts_.size() + chunk - 1) / chunk, [&](std::size_t i) {
             Sampler sampler = sampler_;
             for (std::size_t n = i * chunk; n < std::min((i + 1) * chunk, drafts_.size()); ++n) {
                 const std::uint32_t end = all ? end_item_[n] : first_item_[n] + std::uint32_t(drafts_[n].count);
-                if (first_item_[n] == end) continue;
+                if (first_item_[n] == end || !(drafts_[n].cost > least_cost_)) continue;
                 const auto contents = [&](auto&& sink) {
-                    for (std::uint32_t at = first_item_[n]; at < end; ++at) {
-                        prefetch(at + 12);
-                        if constexpr (PrimitiveWithPolygons<P>) {
-                            local_polygons(primitives_[parts_.order[at]], parts_.origin, sink);
-                        }
-                    }
+                    for (std::uint32_t at = first_item_[n]; at < end; ++at) send_polygons(at, sink);
                 };
                 drafts[n] = approximation_.sample(drafts_[n].cell, contents, sampler);
             }
@@ -166,7 +185,7 @@ class HierarchyBuilder {
             if constexpr (A::facts.stands_in) {
                 const std::size_t pool_size = parts_.pool.size();
                 const auto data = approximation_.finish(node.cell, drafts[n], parts_.pool);
-                if (node.cost > cost_.cost(approximation_.work(data))) {
+                if (node.cost > least_cost_ && node.cost > cost_.cost(approximation_.work(data))) {
                     data_index[i] = std::uint32_t(parts_.cell_data.size());
                     parts_.cell_data.push_back(data);
                 } else {
@@ -175,7 +194,7 @@ class HierarchyBuilder {
                 }
             }
         }
-        if constexpr (A::facts.compares) {
+        if constexpr (A::facts.compares && Part::facts.halves) {
             StoryMerger<Part, A, DraftCell, Draft>(approximation_, {drafts_, drafts, end_item_, old_index}, parts_,
                                                    data_index)
                 .merge();
@@ -201,7 +220,9 @@ class HierarchyBuilder {
                 node.stand_in_mask = std::uint8_t(node.stand_in_mask | (mask & (0u - mask)));
             }
             if (below != Node::nothing_below) {
-                deepest = deepest == Node::nothing_below ? below + 1 : std::max(deepest, below + 1);
+                // Where cells are not halved nobody asks for more than whether there are any.
+                const unsigned levels = std::min(below + 1, Node::nothing_below - 1u);
+                deepest = deepest == Node::nothing_below ? levels : std::max(deepest, levels);
             }
         }
         if (deepest == Node::nothing_below && data_index[index] != no_stand_in) deepest = 0;
@@ -219,6 +240,7 @@ class HierarchyBuilder {
     Parts parts_;
     std::vector<DraftCell> drafts_;  ///< parents before children
     std::vector<std::uint32_t> new_index_, first_item_, end_item_;
+    float least_cost_ = -1;  ///< of a subtree that is drafted
 };
 
 }  // namespace detail

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "farfield/cell.hpp"
+#include "farfield/fragments.hpp"
 #include "farfield/geometry/box.hpp"
 #include "farfield/work.hpp"
 
@@ -45,7 +46,7 @@ inline float error_of_reach(const Node& node) {
 /// What was built, what was refused and what stopped early.
 struct BuildReport {
     std::uint64_t primitives = 0;
-    std::uint64_t items = 0;  ///< primitives counted once for every cell that has them
+    std::uint64_t items = 0;  ///< primitives counted once for every cell that has them; of what is cut, fragments
     std::uint32_t nodes = 0;  ///< cells that are not empty
     std::uint32_t leaves = 0;
     std::uint32_t levels = 0;
@@ -56,6 +57,12 @@ struct BuildReport {
     std::uint32_t cells_over_memory_budget = 0;         ///< wanted a split, but the memory budget was spent
     std::uint32_t stand_ins = 0;
     std::uint32_t stand_ins_that_would_not_pay = 0;
+    std::uint32_t polygons_joined = 0;        ///< with the one before, before anything was cut
+    std::uint32_t polygons_without_area = 0;  ///< left out before anything was cut, as they draw nothing
+    /// Kept several items that no order suits from everywhere: instances that no plane tells from the rest, or what
+    /// came to a limit. Of partitions that cut.
+    std::uint32_t cells_out_of_order = 0;
+    std::uint32_t spare = 0;
 };
 
 struct BuildOptions {
@@ -68,6 +75,15 @@ struct BuildOptions {
 template <class T>
 inline constexpr std::size_t stored_size = std::is_empty_v<T> ? 0 : sizeof(T);
 
+/// Arrays of Fragments; empty where nothing is cut.
+struct FragmentArrays {
+    std::vector<std::uint32_t> first_vertex{};  ///< item_count + 1
+    std::vector<glm::vec3> vertices{};
+    std::vector<Rgba8> colors{};
+
+    operator Fragments() const { return {first_vertex, vertices, colors}; }
+};
+
 /// What a builder makes and a SpatialHierarchy keeps; everything is in the hierarchy's own coordinates.
 template <class Partition, class Approximation>
 struct HierarchyParts {
@@ -76,6 +92,7 @@ struct HierarchyParts {
     std::vector<typename Approximation::cell_data> cell_data{};  ///< of nodes with a stand-in, in node order
     std::vector<typename Approximation::pool_element> pool{};
     std::vector<std::uint32_t> order{};  ///< position -> primitive
+    FragmentArrays fragments{};
     bool root_has_stand_in = false;
     Box bounds = Box::empty();  ///< tight
     Cell root{};

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "farfield/cell.hpp"
+#include "farfield/clipped_items.hpp"
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/orthographic_sampler.hpp"
 #include "farfield/primitive.hpp"
@@ -22,7 +23,7 @@ namespace farfield {
 
 // --- Partition: how is space divided, and in which order are the parts visited? --------------------------------------
 
-/// Into which cells a primitive goes: every cell it touches; one; or cut into fragments.
+/// Into which cells a primitive goes: every cell it touches; one; or its polygons cut into fragments.
 enum Assignment : unsigned { shared = 1, unique = 2, clipped = 4 };
 
 /// At most eight children a node.
@@ -49,7 +50,8 @@ enum class Split : std::uint8_t {
     yes,     ///< the node's data is set and place() may be asked; whether it happens is the builder's question of cost
     always,  ///< likewise, whatever it costs
     no,      ///< the partition's own limit, as wished (a uniform depth)
-    too_deep,  ///< a safety limit that the build report counts
+    too_deep,     ///< a safety limit that the build report counts
+    inseparable,  ///< likewise: of a partition that cuts, no plane tells the items apart
 };
 
 template <class T>
@@ -72,15 +74,39 @@ struct Touches {
 }  // namespace archetype
 
 template <class T>
-concept Partition = StatesPartitionFacts<T> &&
-    requires(const T& t, const Cell& cell, typename T::node_data& data, const typename T::node_data& frozen,
-             const Item& item, std::span<const Item> items, ChildOrder& order) {
-    { t.root(Box{}) } -> std::same_as<Cell>;  // the tight bounds of everything
-    { t.choose(cell, items, data) } -> std::same_as<Split>;
-    t.place(cell, frozen, item, archetype::Touches{}, archetype::Emit{});
+concept DescendsInOrder = requires(const T& t, const Cell& cell, const typename T::node_data& frozen,
+                                   ChildOrder& order) {
+    { t.root(Box{}) } -> std::same_as<Cell>;              // the tight bounds of everything
     { t.child(cell, frozen, 0u) } -> std::same_as<Cell>;  // computed again at every descent
     t.front_to_back(cell, frozen, glm::vec4(), order);  // all children, present or not; viewpoint as LocalView gives it
 };
+
+template <class T>
+concept PlacesItems = requires(const T& t, const Cell& cell, typename T::node_data& data,
+                               const typename T::node_data& frozen, const Item& item, std::span<const Item> items) {
+    { t.choose(cell, items, data) } -> std::same_as<Split>;
+    t.place(cell, frozen, item, archetype::Touches{}, archetype::Emit{});
+};
+
+/// Of partitions that offer `clipped`. An item goes to child(data, side of each plane), cut where it crosses one; what
+/// lies on a plane, up to rounding, goes undivided. Cells stay around what is in them: fit() may use that.
+template <class T>
+concept CutsItems = requires(const T& t, const Cell& cell, typename T::node_data& data,
+                             const typename T::node_data& frozen, const ClippedItems& items,
+                             std::span<const Box> children) {
+    { t.choose(cell, items, data) } -> std::same_as<Split>;  // no: the items are in order as they are
+    { t.cuts(cell, frozen) } -> std::same_as<Cuts>;
+    { t.child_at(frozen, Sides{}) } -> std::same_as<unsigned>;
+    t.fit(cell, data, children);  // bounds of what each child got, empty boxes included
+};
+
+template <class T>
+concept PlacesItemsIfOffered = (T::facts.offers & (shared | unique)) == 0 || PlacesItems<T>;
+template <class T>
+concept CutsItemsIfOffered = (T::facts.offers & clipped) == 0 || CutsItems<T>;
+
+template <class T>
+concept Partition = StatesPartitionFacts<T> && DescendsInOrder<T> && PlacesItemsIfOffered<T> && CutsItemsIfOffered<T>;
 
 // --- Approximation: what can be drawn instead, and how wrong is it? --------------------------------------------------
 
@@ -211,9 +237,13 @@ concept Composable =
 template <class P, class A>
 concept HasPolygonsIfNeeded = (A::facts.needs & needs_polygons) == 0 || PrimitiveWithPolygons<P>;
 
+template <class P, class H>
+concept CanBeClippedIfNeeded = H::assignment != clipped || PrimitiveWithPolygons<P>;
+
 /// H is a SpatialHierarchy.
 template <class H, class P>
-concept BuildableFrom = Primitive<P> && HasPolygonsIfNeeded<P, typename H::approximation_type>;
+concept BuildableFrom =
+    Primitive<P> && HasPolygonsIfNeeded<P, typename H::approximation_type> && CanBeClippedIfNeeded<P, H>;
 
 template <class R, class A>
 concept DrawsStandInsIfAny = !A::facts.stands_in || R::facts.draws_faces;

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "farfield/cell.hpp"
+#include "farfield/fragments.hpp"
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/local_view.hpp"
@@ -37,11 +38,28 @@ template <class P>
 struct Source {
     std::span<const P> primitives;
     std::span<const std::uint32_t> order;  ///< position -> index into primitives; empty: positions are indices
-    std::uint32_t item_count = 0;          ///< number of positions; larger than primitives.size() where shared
+    std::uint32_t item_count = 0;          ///< number of positions; larger than primitives.size() where shared or cut
     glm::dvec3 origin{0};                  ///< subtract it from the primitive's coordinates to get the local ones
     std::uint32_t id = 0;                  ///< what page_in returned for it
+    Fragments fragments{};                 ///< what positions hold instead of whole primitives, if the partition cuts
 
+    /// The primitive, or the one that the position's fragment is a piece of.
     const P& operator[](std::uint32_t position) const { return primitives[order.empty() ? position : order[position]]; }
+
+    /// Calls sink(Polygon) with what the position holds, in local coordinates: prefer it to the primitive's own
+    /// polygons, which a partition may have cut. Of an instance nothing.
+    template <class Sink>
+    void polygons(std::uint32_t position, Sink&& sink) const requires PrimitiveWithPolygons<P> {
+        if (!fragments.empty()) {
+            if (const Polygon fragment = fragments[position]; !fragment.vertices.empty()) sink(fragment);
+            return;
+        }
+        const P& primitive = (*this)[position];
+        if constexpr (PrimitiveWithInstance<P>) {
+            if (primitive_traits<P>::visit_instance(primitive, [](const auto&) {})) return;
+        }
+        local_polygons(primitive, origin, sink);
+    }
 };
 
 /// A node of a hierarchy, unique over all paths of instances and stable from frame to frame.
@@ -71,7 +89,7 @@ struct Splat {
 /// error and not silence.
 struct RendererFacts {
     Order order = Order::any;                      ///< in which cells' primitives are wanted
-    Ordering needs_ordering = Ordering::none;      ///< how strict that order has to be
+    Ordering needs_ordering = Ordering::none;      ///< how strict that order has to be, within ranges too
     Order far_field_order = Order::front_to_back;  ///< back_to_front: stand-ins are replayed after everything else
     bool keeps_sources = false;   ///< std::uint32_t page_in(Source<P>) once a source, page_out(id) when it goes
     bool draws_faces = false;     ///< draw(std::span<const Face>)
@@ -94,7 +112,7 @@ concept HasFrames = requires(R& r, const LocalView& view) {
     r.end_frame();
 };
 
-/// Ranges come in groups; within a group their order is free.
+/// Ranges come in groups, which are in the order that `facts` asks for; within a group it is free for Order::any.
 template <class R, class P>
 concept DrawsRuns = requires(R& r, const Source<P>& source, std::span<const Range> ranges) {
     r.draw(source, ranges);

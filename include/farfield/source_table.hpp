@@ -35,7 +35,7 @@ struct SourceState {
 
 template <class H, class P>
 Source<P> source_of(const H& h, std::span<const P> primitives, std::uint32_t id) {
-    return {primitives, h.order(), h.item_count(), h.origin(), id};
+    return {primitives, h.order(), h.item_count(), h.origin(), id, h.fragments()};
 }
 
 /// Pages sources into the renderer and, when it goes, out again.
@@ -52,7 +52,7 @@ class SourceTable {
     SourceTable& operator=(const SourceTable&) = delete;
 
     /// A hierarchy, and those of all instances in it. Throws std::invalid_argument if primitives are not those that a
-    /// hierarchy was built from.
+    /// hierarchy was built from, or do not come in the order that the renderer needs.
     template <class H, class P>
     void add_all(const H& h, std::span<const P> primitives) {
         add(h, primitives);
@@ -77,6 +77,13 @@ class SourceTable {
             throw std::invalid_argument("farfield::Viewer: the hierarchy was built from " +
                                         std::to_string(h.primitive_count()) + " primitives and is given " +
                                         std::to_string(primitives.size()));
+        }
+        if constexpr (R::facts.needs_ordering == Ordering::primitives) {
+            if (!h.keeps_strict_order()) {
+                throw std::invalid_argument("farfield::Viewer: the renderer needs polygons in strict order, which " +
+                                            std::to_string(h.report().cells_out_of_order) +
+                                            " cells of a hierarchy do not keep (BuildReport::cells_out_of_order)");
+            }
         }
         for (const SourceState& s : sources_) {
             if (s.hierarchy == &h && s.primitives == primitives.data()) return;

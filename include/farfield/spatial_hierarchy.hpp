@@ -36,7 +36,10 @@ class SpatialHierarchy {
     static constexpr Assignment assignment = (P::facts.offers & A::facts.accepts & unique) != 0    ? unique
                                              : (P::facts.offers & A::facts.accepts & clipped) != 0 ? clipped
                                                                                                    : shared;
-    static constexpr Ordering ordering = P::facts.ordering;
+    /// What front to back guarantees. Bounding boxes of cells may overlap where planes between them are oblique, so no
+    /// stand-in is in order with the polygons in another cell.
+    static constexpr Ordering ordering =
+        A::facts.stands_in && P::facts.ordering > Ordering::cells ? Ordering::cells : P::facts.ordering;
 
     /// Over nothing; draws nothing.
     SpatialHierarchy() : SpatialHierarchy(P{}, A{}, C{}, HierarchyParts<P, A>{.nodes = {Node{}}}) {}
@@ -89,6 +92,11 @@ class SpatialHierarchy {
         }
     }
     std::span<const node_data> all_node_data() const { return node_data_; }
+    /// What positions hold where the partition cuts; empty elsewhere.
+    const Fragments& fragments() const { return fragments_; }
+    /// Whether items, in the order of front_to_back, hide only what comes after them, from wherever they are seen, up
+    /// to rounding. Instances count as solid boxes: ask their hierarchies too.
+    bool keeps_strict_order() const { return ordering == Ordering::primitives && report_.cells_out_of_order == 0; }
 
     /// The root's stand-in or null.
     const cell_data* root_stand_in() const { return root_has_stand_in_ ? cell_data_.data() : nullptr; }
@@ -113,11 +121,11 @@ class SpatialHierarchy {
         return w;
     }
 
-    /// Nodes, stand-ins and item indices, in memory or in the file that is mapped.
+    /// Nodes, stand-ins, item indices and fragments, in memory or in the file that is mapped.
     std::size_t bytes() const {
         return nodes_.size_bytes() + node_data_.size() * stored_size<node_data> +
                cell_data_.size() * stored_size<cell_data> + pool_.size() * stored_size<pool_element> +
-               order_.size_bytes();
+               order_.size_bytes() + fragments_.size_bytes();
     }
 
     /// Calls sink(Polygon) with the faces of the root's stand-in, colors not premultiplied; false if it has none.
@@ -139,6 +147,7 @@ class SpatialHierarchy {
         cell_data_ = kept->cell_data;
         pool_ = kept->pool;
         order_ = kept->order;
+        fragments_ = kept->fragments;
         memory_ = kept;
     }
     struct MappedArrays {
@@ -147,6 +156,7 @@ class SpatialHierarchy {
         std::span<const cell_data> stand_ins;
         std::span<const pool_element> pool;
         std::span<const std::uint32_t> order;
+        Fragments fragments;
         std::shared_ptr<const void> memory;
     };
     /// `facts` carries everything but the arrays.
@@ -159,6 +169,7 @@ class SpatialHierarchy {
         cell_data_ = arrays.stand_ins;
         pool_ = arrays.pool;
         order_ = arrays.order;
+        fragments_ = arrays.fragments;
         memory_ = std::move(arrays.memory);
         from_file_ = true;
     }
@@ -185,6 +196,7 @@ class SpatialHierarchy {
     std::span<const cell_data> cell_data_;
     std::span<const pool_element> pool_;
     std::span<const std::uint32_t> order_;
+    Fragments fragments_;
     Cell root_;
     Box bounds_ = Box::empty();
     glm::dvec3 origin_{0};

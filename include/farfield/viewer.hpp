@@ -29,6 +29,7 @@
 #include "farfield/draw_queue.hpp"
 #include "farfield/fingerprint.hpp"
 #include "farfield/geometry/frustum.hpp"
+#include "farfield/instance_stack.hpp"
 #include "farfield/policy.hpp"
 #include "farfield/source_table.hpp"
 #include "farfield/spatial_hierarchy.hpp"
@@ -55,7 +56,8 @@ requires BuildableFrom<H, P> && DrawableWith<H, P, R>
 class Viewer {
   public:
     /// Throws std::invalid_argument if the span is not the one (by count; for hierarchies from files also by bounds)
-    /// that the hierarchy, or an instance in it, was built from.
+    /// that the hierarchy, or an instance in it, was built from; or if the renderer needs polygons in strict order and
+    /// one of them does not keep it.
     Viewer(const H& hierarchy, std::span<const P> primitives, R& renderer)
         : hierarchy_(hierarchy),
           primitives_(primitives),
@@ -165,9 +167,13 @@ class Viewer {
             }
         }
         if constexpr (R::facts.answers_hidden) {
-            if (end_item - node.first_item > asking_pays_above && renderer_.hidden(cell, CellId{v.path, index})) {
-                ++stats_.cells_hidden;
-                return;
+            if (end_item - node.first_item > asking_pays_above) {
+                // What waits lies in front and may be what hides it.
+                if constexpr (R::facts.order == Order::front_to_back) queue_.flush(v.source);
+                if (renderer_.hidden(cell, CellId{v.path, index})) {
+                    ++stats_.cells_hidden;
+                    return;
+                }
             }
         }
         const std::uint32_t items = end_item - node.first_item;
@@ -244,43 +250,34 @@ class Viewer {
         instances_.resize(base);
     }
 
-    /// Draws whatever is no instance; instances go on the stack, front to back by their centers, for their stand-ins
-    /// must come after those before them.
+    /// Draws whatever is no instance; instances go on the stack, front to back by their centers.
     template <class V>
     void gather_items(V& v, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
-        using P2 = typename V::primitive_type;
         if (!v.source.order.empty()) stats_.touched_bytes += std::uint64_t(end - first) * sizeof(std::uint32_t);
-        if constexpr (PrimitiveWithInstance<P2>) {
-            const auto base = std::ptrdiff_t(instances_.size());
-            std::uint32_t begin = first;
-            for (std::uint32_t at = first; at < end; ++at) {
-                if (!primitive_traits<P2>::visit_instance(v.source[at], [](const auto&) {})) continue;
-                add_range(v, begin, at, law);
-                begin = at + 1;
-                const Box box = local_bounds(v.source[at], v.source.origin);
-                if (is_new(v, at)) instances_.push_back({order_key(v, box.center()), at});
-            }
-            add_range(v, begin, end, law);
-            std::sort(instances_.begin() + base, instances_.end());
+        if constexpr (PrimitiveWithInstance<typename V::primitive_type>) {
+            instances_.gather(
+                v.source, first, end, [&](glm::vec3 p) { return order_key(v, p); },
+                [&](std::uint32_t at) { return is_new(v, at); },
+                [&](std::uint32_t from, std::uint32_t to) { add_range(v, from, to, law); });
         } else {
             add_range(v, first, end, law);
         }
     }
 
-    /// Those of the stack from `next` on that come before a key; returns the first that does not. What they hold goes
-    /// above them and is gone afterwards.
+    /// Those of the stack from `next` on that come before a key; returns the first that does not.
     template <class V>
     std::size_t draw_gathered(V& v, std::size_t next, float end_key) {
         using P2 = typename V::primitive_type;
         if constexpr (PrimitiveWithInstance<P2>) {
-            for (; next < instances_.size() && instances_[next].first < end_key; ++next) {
-                const P2& p = v.source[instances_[next].second];
+            return instances_.draw_before(next, end_key, [&](std::uint32_t position) {
+                const P2& p = v.source[position];
                 primitive_traits<P2>::visit_instance(p, [&](const auto& instance) {
                     draw_instance(v, instance, std::uint64_t(&p - v.source.primitives.data()));
                 });
-            }
+            });
+        } else {
+            return next;
         }
-        return next;
     }
 
     /// Nearer ones first, or, for a renderer that paints, the other way around.
@@ -331,8 +328,8 @@ class Viewer {
     FrameStats stats_;
     detail::SourceTable<R> sources_;
     DrawQueue<R> queue_;
-    bool deposits_ = false;                                   ///< in this frame, where a law is known
-    std::vector<std::pair<float, std::uint32_t>> instances_;  ///< a stack of runs: order key, position
+    bool deposits_ = false;  ///< in this frame, where a law is known
+    detail::InstanceStack instances_;
 };
 
 /// Prefer this to naming the type: where something is missing, compilers say what.

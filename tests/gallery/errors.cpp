@@ -37,6 +37,12 @@ TEST_CASE("gallery: error falls as tolerance falls, to none at all") {
                         CHECK(errors[i] <= 1.05 * errors[i - 1] + 0.5 / 255);
                     }
                 }
+                if (variant.is_clipped) {
+                    // Corners of fragments are snapped to 1/256 sample.
+                    CHECK(errors.back() <= 0.02);
+                    if (!variant.stands_in) CHECK(errors.front() == errors.back());
+                    continue;
+                }
                 CHECK(errors.back() == 0);
                 if (!variant.stands_in) CHECK(errors.front() == 0);
             }
@@ -69,7 +75,7 @@ TEST_CASE("gallery: clusters that lose twigs find them again too thick, as they 
         if (subject.name.rfind("twigs", 0) != 0) continue;
         const Image exact = plain_picture<Triangle>(subject.triangles, subject.view(16, 48, 0), finest);
         for (const test::Variant& variant : all_variants()) {
-            if (variant.name.find("ColorCubeCluster<4>") == std::string::npos) continue;
+            if (variant.name.find("ColorCubeCluster<4>") == std::string::npos || variant.is_clipped) continue;
             INFO(variant.name);
             const auto h = variant.build(subject.triangles);
             CHECK(rms_difference(h->picture(subject.view(16, 48, 1), finest), exact) >

@@ -20,7 +20,9 @@
 #include "farfield/approximation/exact.hpp"
 #include "farfield/cost/triangle_count.hpp"
 #include "farfield/geometry/triangle.hpp"
+#include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/raster/z_buffer_renderer.hpp"
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/file_format.hpp"
@@ -230,6 +232,10 @@ using SharedOctreeOfCubes =
 using ExactOctree = farfield::SpatialHierarchy<farfield::Octree, farfield::Exact, farfield::TriangleCount>;
 using ExactSharedOctree = farfield::SpatialHierarchy<farfield::SharedOctree, farfield::Exact, farfield::TriangleCount>;
 using HalvesOfPooledCubes = farfield::SpatialHierarchy<HalfSplit, PooledCube, farfield::TriangleCount>;
+using ExactBsp = farfield::SpatialHierarchy<farfield::PolygonBsp, farfield::Exact, farfield::TriangleCount>;
+using BspOfPooledCubes = farfield::SpatialHierarchy<farfield::PolygonBsp, PooledCube, farfield::TriangleCount>;
+using OctreeOfBspsOfCubes = farfield::SpatialHierarchy<farfield::Nested<farfield::Octree, farfield::PolygonBsp>,
+                                                       farfield::ColorCube, farfield::TriangleCount>;
 
 template <class H>
 H built(const std::vector<farfield::Triangle>& triangles) {

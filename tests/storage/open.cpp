@@ -21,6 +21,10 @@ template <class H>
 void require_same(const H& a, const H& b) {
     CHECK(same_bytes(a.nodes(), b.nodes()));
     CHECK(same_bytes(a.order(), b.order()));
+    CHECK(same_bytes(a.fragments().first_vertex, b.fragments().first_vertex));
+    CHECK(same_bytes(a.fragments().vertices, b.fragments().vertices));
+    CHECK(same_bytes(a.fragments().colors, b.fragments().colors));
+    CHECK(a.keeps_strict_order() == b.keeps_strict_order());
     if constexpr (!std::is_empty_v<typename H::node_data>) CHECK(same_bytes(a.all_node_data(), b.all_node_data()));
     if constexpr (!std::is_empty_v<typename H::cell_data>) CHECK(same_bytes(a.stand_ins(), b.stand_ins()));
     if constexpr (!std::is_empty_v<typename H::pool_element>) CHECK(same_bytes(a.pool(), b.pool()));
@@ -52,7 +56,7 @@ std::string refused(const TemporaryDirectory& directory, const Bytes& bytes, con
 }  // namespace
 
 TEMPLATE_TEST_CASE("what was saved is opened", "", OctreeOfCubes, SharedOctreeOfCubes, ExactOctree, ExactSharedOctree,
-                   HalvesOfPooledCubes) {
+                   HalvesOfPooledCubes, ExactBsp, BspOfPooledCubes, OctreeOfBspsOfCubes) {
     const TemporaryDirectory directory;
     for (const std::size_t count : {0u, 1u, 2u, 30u, 3000u}) {
         INFO(count << " triangles");
@@ -165,9 +169,9 @@ TEST_CASE("files of other policies, versions and machines say so") {
           "was saved with another cost model: expected 0x4d540001 (MT), found 0x54430001 (TC)");
 
     FileHeader header = header_of(bytes);
-    header.version = 2;
+    header.version = 1;
     CHECK(refused<OctreeOfCubes>(directory, sealed(bytes, header)) ==
-          "has format version 2, this program reads version 1");
+          "has format version 1, this program reads version 2");
     header = header_of(bytes);
     header.byte_order = 0x04030201;
     CHECK(refused<OctreeOfCubes>(directory, sealed(bytes, header)) == "was saved on a machine of the other byte order");
@@ -207,7 +211,8 @@ TEST_CASE("a truncated file says how much is left of it") {
           "is damaged: section 'order' reaches beyond the end");
 }
 
-TEMPLATE_TEST_CASE("a changed byte is found, wherever it is", "", OctreeOfCubes, HalvesOfPooledCubes) {
+TEMPLATE_TEST_CASE("a changed byte is found, wherever it is", "", OctreeOfCubes, HalvesOfPooledCubes,
+                   BspOfPooledCubes) {
     const TemporaryDirectory directory;
     save(built<TestType>(scene(40)), directory / "h");
     const Bytes bytes = read_file(directory / "h");

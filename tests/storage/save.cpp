@@ -20,8 +20,8 @@ std::string failure(const H& hierarchy, const std::filesystem::path& path) {
 }
 }  // namespace
 
-TEMPLATE_TEST_CASE("equal hierarchies give equal files", "", OctreeOfCubes, SharedOctreeOfCubes, ExactOctree,
-                   ExactSharedOctree, HalvesOfPooledCubes) {
+TEMPLATE_TEST_CASE("equal hierarchies give equal files", "", OctreeOfCubes, SharedOctreeOfCubes, ExactOctree, ExactBsp,
+                   OctreeOfBspsOfCubes, ExactSharedOctree, HalvesOfPooledCubes) {
     using P = typename TestType::partition_type;
     using A = typename TestType::approximation_type;
     const TemporaryDirectory directory;

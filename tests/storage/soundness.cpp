@@ -138,7 +138,7 @@ TEST_CASE("files whose checksums agree are not believed") {
 }
 
 TEMPLATE_TEST_CASE("whatever byte is changed, frames stay within the arrays", "", OctreeOfCubes, ExactSharedOctree,
-                   HalvesOfPooledCubes) {
+                   HalvesOfPooledCubes, BspOfPooledCubes) {
     const TemporaryDirectory directory;
     const auto triangles = scene(60);
     save(built<TestType>(triangles), directory / "h");
@@ -175,6 +175,33 @@ TEST_CASE("whatever bytes are changed together, frames stay within the arrays") 
         write_file(directory / "changed", sealed(changed));
         opens_and_draws<OctreeOfCubes>(directory / "changed", triangles, true);
     }
+}
+
+TEST_CASE("fragments that are none are found") {
+    const std::vector<std::uint32_t> first{0, 3, 3, 7};
+    const std::vector<glm::vec3> vertices(7);
+    const std::vector<Rgba8> colors(7);
+    const auto why = [&](auto&& change) {
+        std::vector<std::uint32_t> f = first;
+        std::vector<glm::vec3> v = vertices;
+        std::vector<Rgba8> c = colors;
+        change(f, v, c);
+        const char* found = unsound_fragments({f, v, c}, 3);
+        return std::string(found ? found : "");
+    };
+    CHECK(why([](auto&, auto&, auto&) {}).empty());
+    CHECK(unsound_fragments({}, 0) == nullptr);
+    CHECK(why([](auto& f, auto&, auto&) { f.clear(); }) == "its fragments are missing");
+    CHECK(why([](auto& f, auto&, auto&) { f.pop_back(); }) == "it has not as many fragments as items");
+    CHECK(why([](auto& f, auto&, auto&) { f[0] = 1; }).rfind("its fragments do not have", 0) == 0);
+    CHECK(why([](auto& f, auto&, auto&) { f[3] = 8; }).rfind("its fragments do not have", 0) == 0);
+    CHECK(why([](auto&, auto& v, auto&) { v.pop_back(); }).rfind("its fragments do not have", 0) == 0);
+    CHECK(why([](auto&, auto&, auto& c) { c.pop_back(); }).rfind("its fragments do not have", 0) == 0);
+    CHECK(why([](auto& f, auto&, auto&) { f[1] = 4; }) == "its fragments are out of order");
+    CHECK(why([](auto& f, auto&, auto&) { f[1] = 0xffffffffu; }) == "its fragments are out of order");
+    CHECK(why([](auto& f, auto&, auto&) { f[1] = 2; }) == "a fragment has less than three vertices");
+    CHECK(why([](auto&, auto& v, auto&) { v[2].y = std::numeric_limits<float>::quiet_NaN(); }) ==
+          "a fragment's vertex is not finite");
 }
 
 TEST_CASE("as deep as a file may be, a frame ends") {

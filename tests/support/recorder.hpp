@@ -20,6 +20,7 @@ struct Recording {
         std::size_t faces_before;
         std::size_t splats_before;
         std::optional<AreaLaw> law{};
+        std::uint32_t position = 0;
     };
     std::vector<Draw> draws;
     std::vector<Face> faces;
@@ -63,7 +64,7 @@ class BasicRecorder : public Recording {
             ++ranges;
             for (std::uint32_t i = r.first; i < r.first + r.count; ++i) {
                 draws.push_back({source.id, std::uint32_t(&source[i] - source.primitives.data()), views.back().eye,
-                                 faces.size(), splats.size(), r.law});
+                                 faces.size(), splats.size(), r.law, i});
             }
         }
     }

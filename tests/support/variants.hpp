@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <span>
@@ -33,6 +34,7 @@ class AnyHierarchy {
     virtual ~AnyHierarchy() = default;
     virtual std::span<const Node> nodes() const = 0;
     virtual std::span<const std::uint32_t> order() const = 0;
+    virtual const Fragments& fragments() const = 0;
     virtual std::uint32_t item_count() const = 0;
     virtual const BuildReport& report() const = 0;
     virtual const Box& bounds() const = 0;
@@ -46,7 +48,7 @@ class AnyHierarchy {
     virtual float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const = 0;
     virtual float cost_of(std::size_t stand_in) const = 0;
     virtual float cost(const Work& work) const = 0;
-    /// All arrays, one after the other.
+    /// Arrays that do not depend on the scene's scale: all but node data and vertices of fragments.
     virtual std::vector<std::byte> bytes() const = 0;
     virtual std::unique_ptr<AnyViewer> viewer(ZBufferRenderer& renderer) const = 0;
     virtual std::unique_ptr<AnyViewer> viewer(Recorder& renderer) const = 0;
@@ -64,10 +66,25 @@ class AnyHierarchy {
 struct Variant {
     std::string name;
     bool is_shared = false;
+    bool is_clipped = false;
     bool stands_in = false;
     std::function<std::unique_ptr<AnyHierarchy>(std::span<const Triangle>, const BuildOptions&)> build_with;
 
     std::unique_ptr<AnyHierarchy> build(std::span<const Triangle> triangles) const { return build_with(triangles, {}); }
+
+    /// Pixels of a picture without stand-ins that differ from the plain loop's: none, but that corners of fragments are
+    /// snapped to 1/256 sample, and that their normals are those of what rounding left of them.
+    bool is_plain(const Image& picture, const Image& plain) const {
+        if (!is_clipped) return picture == plain;
+        std::size_t different = 0;
+        for (std::size_t i = 0; i < plain.pixels().size(); ++i) {
+            const Rgba8 p = picture.pixels()[i], q = plain.pixels()[i];
+            int largest = 0;
+            for (const int d : {p.r - q.r, p.g - q.g, p.b - q.b, p.a - q.a}) largest = std::max(largest, std::abs(d));
+            different += largest > 2;
+        }
+        return picture.width() == plain.width() && 100 * different <= plain.pixels().size();
+    }
 };
 
 /// Composable triples by approximation; defined in variants_*.cpp.

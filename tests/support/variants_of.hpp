@@ -33,6 +33,7 @@ class HierarchyOver final : public AnyHierarchy {
 
     std::span<const Node> nodes() const override { return hierarchy_.nodes(); }
     std::span<const std::uint32_t> order() const override { return hierarchy_.order(); }
+    const Fragments& fragments() const override { return hierarchy_.fragments(); }
     std::uint32_t item_count() const override { return hierarchy_.item_count(); }
     const BuildReport& report() const override { return hierarchy_.report(); }
     const Box& bounds() const override { return hierarchy_.bounds(); }
@@ -76,6 +77,8 @@ class HierarchyOver final : public AnyHierarchy {
         };
         add(hierarchy_.nodes());
         add(hierarchy_.order());
+        add(hierarchy_.fragments().first_vertex);
+        add(hierarchy_.fragments().colors);
         if constexpr (!std::is_empty_v<typename H::cell_data>) add(hierarchy_.stand_ins());
         if constexpr (!std::is_empty_v<typename H::pool_element>) add(hierarchy_.pool());
         return out;
@@ -97,12 +100,18 @@ inline const char* name_of(const Octree&) {
 inline const char* name_of(const SharedOctree&) {
     return "SharedOctree";
 }
+inline const char* name_of(const PolygonBsp&) {
+    return "PolygonBsp";
+}
+inline const char* name_of(const OctreeOfBsps&) {
+    return "OctreeOfBsps";
+}
 
 template <class... H>
 std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
     return {Variant{
         std::string(name_of(typename H::partition_type{})) + ", " + approximation + ", " + H::cost_model_type::unit,
-        H::assignment == shared, H::approximation_type::facts.stands_in,
+        H::assignment == shared, H::assignment == clipped, H::approximation_type::facts.stands_in,
         [](std::span<const Triangle> triangles, const BuildOptions& options) {
             return std::unique_ptr<AnyHierarchy>(std::make_unique<HierarchyOver<H>>(
                 H::template build<Triangle>(triangles, {}, {}, {}, options), triangles));

@@ -18,7 +18,7 @@
 
 namespace farfield::detail {
 
-inline constexpr std::size_t most_fields = 12;
+inline constexpr std::size_t most_fields = 16;
 inline constexpr std::size_t not_numbers = std::numeric_limits<std::size_t>::max();
 
 struct AnyField {
@@ -46,7 +46,7 @@ template <class T>
 constexpr auto fields_of(T& v) {
     constexpr std::size_t n = field_count<std::remove_const_t<T>>();
     static_assert(n > 0 && n <= most_fields,
-                  "farfield: to be stored in files, an aggregate may have 12 fields at most");
+                  "farfield: to be stored in files, an aggregate may have 16 fields at most");
 #define FARFIELD_FIELDS(count, ...)   \
     if constexpr (n == count) {       \
         auto& [__VA_ARGS__] = v;      \
@@ -64,6 +64,10 @@ constexpr auto fields_of(T& v) {
     FARFIELD_FIELDS(10, a, b, c, d, e, f, g, h, i, j)
     FARFIELD_FIELDS(11, a, b, c, d, e, f, g, h, i, j, k)
     FARFIELD_FIELDS(12, a, b, c, d, e, f, g, h, i, j, k, l)
+    FARFIELD_FIELDS(13, a, b, c, d, e, f, g, h, i, j, k, l, m)
+    FARFIELD_FIELDS(14, a, b, c, d, e, f, g, h, i, j, k, l, m, o)
+    FARFIELD_FIELDS(15, a, b, c, d, e, f, g, h, i, j, k, l, m, o, p)
+    FARFIELD_FIELDS(16, a, b, c, d, e, f, g, h, i, j, k, l, m, o, p, q)
     return std::tuple<>();
 #undef FARFIELD_FIELDS
 }

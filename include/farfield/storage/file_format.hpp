@@ -1,10 +1,10 @@
 // What lies where in a hierarchy's file, and what policies must answer to be stored.
 //
-// Version 1. Numbers are in the byte order of the machine that wrote them, of which `byte_order` tells; a machine of
-// the other order refuses the file.
+// Version 2, which added fragments. Numbers are in the byte order of the machine that wrote them, of which `byte_order`
+// tells; a machine of the other order refuses the file.
 //
-//     0    FileHeader, 512 bytes
-//     512  sections, each at the next multiple of 64 bytes; bytes between them are 0; nothing follows the last
+//     0    FileHeader, 624 bytes
+//     640  sections, each at the next multiple of 64 bytes; bytes between them are 0; nothing follows the last
 //
 //     section                 records                               bytes a record
 //     partition_options       1, or 0 if the policy is empty        its numbers (storage/fields.hpp), no padding
@@ -16,6 +16,10 @@
 //     pool                    any number                            sizeof Approximation::pool_element
 //     order                   as many as items, or 0 if positions   4
 //                             are indices (build_in_place)
+//     first_vertices          items + 1 where polygons are cut,     4
+//                             else 0, and so for the next two
+//     vertices                any number                            12
+//     colors                  as many                               4
 //
 // Records lie in the file as they do in memory: a mapped file is a hierarchy, nothing is parsed or copied. Primitives
 // are not in it.
@@ -79,7 +83,7 @@ namespace detail {
 
 /// The first byte is no text, the line ends are damaged by whatever damages line ends (after PNG's signature).
 inline constexpr std::array<std::uint8_t, 8> file_magic{0x89, 'F', 'F', 'H', '\r', '\n', 0x1a, '\n'};
-inline constexpr std::uint32_t file_version = 1;
+inline constexpr std::uint32_t file_version = 2;
 inline constexpr std::uint32_t file_byte_order = 0x01020304u;
 inline constexpr std::uint64_t section_alignment = 64;
 
@@ -91,9 +95,12 @@ enum class Section : std::uint8_t {
     node_data,
     stand_ins,
     pool,
-    order
+    order,
+    first_vertices,
+    vertices,
+    colors
 };
-inline constexpr std::size_t section_count = 8;
+inline constexpr std::size_t section_count = 11;
 inline constexpr std::array<const char*, section_count> section_names{"partition options",
                                                                       "approximation options",
                                                                       "cost model options",
@@ -101,7 +108,10 @@ inline constexpr std::array<const char*, section_count> section_names{"partition
                                                                       "node data",
                                                                       "stand-ins",
                                                                       "pool",
-                                                                      "order"};
+                                                                      "order",
+                                                                      "first vertices",
+                                                                      "vertices",
+                                                                      "colors"};
 
 struct SectionEntry {
     std::uint64_t offset = 0;  ///< from the start of the file
@@ -129,7 +139,7 @@ struct FileHeader {
     std::array<std::uint8_t, 8> magic = file_magic;
     std::uint32_t version = file_version;
     std::uint32_t byte_order = file_byte_order;
-    std::uint32_t header_bytes = 512;
+    std::uint32_t header_bytes = 624;
     std::uint32_t partition_tag = 0;
     std::uint32_t approximation_tag = 0;
     std::uint32_t cost_tag = 0;
@@ -141,8 +151,8 @@ struct FileHeader {
 
 // A change of any of these is a new file_version.
 static_assert(sizeof(glm::vec3) == 12 && sizeof(glm::dvec3) == 24);
-static_assert(sizeof(Node) == 16 && sizeof(Cell) == 52 && sizeof(Work) == 28 && sizeof(BuildReport) == 56);
-static_assert(sizeof(FileHeader) == 512 && offsetof(FileHeader, checksum) == 504);
+static_assert(sizeof(Node) == 16 && sizeof(Cell) == 52 && sizeof(Work) == 28 && sizeof(BuildReport) == 72);
+static_assert(sizeof(FileHeader) == 624 && offsetof(FileHeader, checksum) == 616);
 static_assert(WithoutPadding<SectionEntry> && WithoutPadding<StoredFacts> && WithoutPadding<FileHeader>);
 
 constexpr std::uint64_t next_section(std::uint64_t offset) {
@@ -159,7 +169,10 @@ constexpr std::array<std::uint64_t, section_count> record_bytes() {
             stored_size<typename H::node_data>,
             stored_size<typename H::cell_data>,
             stored_size<typename H::pool_element>,
-            sizeof(std::uint32_t)};
+            sizeof(std::uint32_t),
+            sizeof(std::uint32_t),
+            sizeof(glm::vec3),
+            sizeof(Rgba8)};
 }
 
 }  // namespace detail

@@ -159,6 +159,9 @@ H open(const std::filesystem::path& path, const OpenOptions& options = {}) {
                                     records_in<typename H::cell_data>(file.bytes, section(Section::stand_ins)),
                                     records_in<typename H::pool_element>(file.bytes, section(Section::pool)),
                                     records_in<std::uint32_t>(file.bytes, section(Section::order)),
+                                    {records_in<std::uint32_t>(file.bytes, section(Section::first_vertices)),
+                                     records_in<glm::vec3>(file.bytes, section(Section::vertices)),
+                                     records_in<Rgba8>(file.bytes, section(Section::colors))},
                                     std::move(file.memory)};
     if (const char* why = unsound<H>(partition, approximation, header.facts, arrays)) {
         refuse_file("open", path, std::string("is damaged: ") + why);

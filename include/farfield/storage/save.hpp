@@ -98,8 +98,13 @@ void save(const SpatialHierarchy<P, A, C>& hierarchy, const std::filesystem::pat
                     .root = hierarchy.root_cell(),
                     .work = hierarchy.whole_work(),
                     .root_has_stand_in = hierarchy.root_stand_in() != nullptr ? 1u : 0u};
-    const typename H::MappedArrays arrays{hierarchy.nodes(), hierarchy.all_node_data(), hierarchy.stand_ins(),
-                                          hierarchy.pool(),  hierarchy.order(),         {}};
+    const typename H::MappedArrays arrays{hierarchy.nodes(),
+                                          hierarchy.all_node_data(),
+                                          hierarchy.stand_ins(),
+                                          hierarchy.pool(),
+                                          hierarchy.order(),
+                                          hierarchy.fragments(),
+                                          {}};
     if (const char* why =
             unsound<H>(hierarchy.partition_policy(), hierarchy.approximation_policy(), header.facts, arrays)) {
         refuse_file("save", path, std::string("the hierarchy cannot be stored: ") + why);
@@ -118,7 +123,10 @@ void save(const SpatialHierarchy<P, A, C>& hierarchy, const std::filesystem::pat
                                                                          stored(arrays.data),
                                                                          stored(arrays.stand_ins),
                                                                          stored(arrays.pool),
-                                                                         stored(arrays.order)};
+                                                                         stored(arrays.order),
+                                                                         stored(arrays.fragments.first_vertex),
+                                                                         stored(arrays.fragments.vertices),
+                                                                         stored(arrays.fragments.colors)};
     header.file_bytes = sizeof header;
     for (std::size_t i = 0; i < section_count; ++i) {
         const std::uint64_t one = record_bytes<H>()[i], offset = next_section(header.file_bytes);

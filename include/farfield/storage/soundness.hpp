@@ -57,8 +57,31 @@ inline bool is_finite(glm::vec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// A position has no vertices, as an instance's, or a polygon's.
+inline const char* unsound_fragments(const Fragments& fragments, std::uint32_t item_count) {
+    if (fragments.empty()) {
+        if (item_count != 0) return "its fragments are missing";
+        return fragments.vertices.empty() && fragments.colors.empty() ? nullptr : "it has vertices of no fragment";
+    }
+    if (fragments.first_vertex.size() != std::size_t(item_count) + 1) return "it has not as many fragments as items";
+    if (fragments.first_vertex.front() != 0 || fragments.first_vertex.back() != fragments.vertices.size() ||
+        fragments.colors.size() != fragments.vertices.size()) {
+        return "its fragments do not have as many vertices and colors as there are";
+    }
+    for (std::size_t i = 0; i < item_count; ++i) {
+        const std::uint32_t first = fragments.first_vertex[i], end = fragments.first_vertex[i + 1];
+        if (end < first) return "its fragments are out of order";
+        if (end - first == 1 || end - first == 2) return "a fragment has less than three vertices";
+    }
+    if (!std::all_of(fragments.vertices.begin(), fragments.vertices.end(), is_finite)) {
+        return "a fragment's vertex is not finite";
+    }
+    return nullptr;
+}
+
 inline const char* unsound_facts(const StoredFacts& facts, std::uint64_t node_count) {
-    if (facts.root_has_stand_in > 1 || facts.spare != 0) return "a flag has no known meaning";
+    if (facts.root_has_stand_in > 1 || facts.spare != 0 || facts.report.spare != 0)
+        return "a flag has no known meaning";
     const Cell& root = facts.root;
     if (!is_finite(root.center) || !is_finite(root.half) || !is_finite(root.bounds_center) ||
         !is_finite(root.bounds_half) || !is_finite(glm::vec3(facts.origin))) {
@@ -96,6 +119,12 @@ const char* unsound(const typename H::partition_type& partition, const typename 
         for (const auto& data : arrays.stand_ins) {
             if (!approximation.is_sound(data, arrays.pool)) return "the approximation refuses a stand-in";
         }
+    }
+    if constexpr (H::assignment == clipped) {
+        if (const char* why = unsound_fragments(arrays.fragments, items)) return why;
+        if (arrays.order.size() != items) return "the order of its items is missing";
+    } else if (!arrays.fragments.empty() || !arrays.fragments.vertices.empty() || !arrays.fragments.colors.empty()) {
+        return "it has fragments, which its partition does not make";
     }
     if (arrays.order.empty()) return items == facts.primitive_count ? nullptr : "the order of its items is missing";
     if (arrays.order.size() != items) return "its order has not as many entries as it has items";

@@ -1,0 +1,29 @@
+// What a scene is drawn with, as programs let their users choose it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace farfield::scenes {
+
+enum class RendererKind : std::uint8_t { z_buffer, coverage, hierarchical_z, painter };
+
+inline constexpr std::array renderer_kinds{RendererKind::z_buffer, RendererKind::coverage, RendererKind::hierarchical_z,
+                                           RendererKind::painter};
+
+inline constexpr std::string_view name_of(RendererKind kind) {
+    constexpr std::string_view names[] = {"z-buffer", "coverage", "hierarchical-z", "painter"};
+    return names[std::size_t(kind)];
+}
+
+/// Scenes have their light baked in, and coverage is wanted of their pictures: no light, no background.
+struct RendererChoice {
+    RendererKind kind = RendererKind::z_buffer;
+    int samples = 1;  ///< a pixel: a square up to 64; of coverage masks 1 or 64
+    bool culls_back_faces = false;
+    bool maps_work = false;  ///< coverage masks tell where they visit cells, too, which takes time
+};
+
+}  // namespace farfield::scenes

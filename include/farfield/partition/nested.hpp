@@ -1,0 +1,116 @@
+// One partition in the leaves of another: "an octree of BSP trees" (Greene 1996, section 5.1).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <span>
+#include <type_traits>
+
+#include "farfield/policy.hpp"
+
+namespace farfield {
+
+template <class T>
+concept HalvesWithoutData = PlacesItems<T> && T::facts.halves&& std::is_empty_v<typename T::node_data>;
+
+/// Cubes of Outer, cut at their median planes while they hold more than `largest_leaf` items and no more than every
+/// second one is cut (what is as large as its cube would be for ever), each divided on by Inner.
+/// What lies in a median plane goes to its upper side, which keeps Inner's order strict: seen from there it is among
+/// what is in front of the other side, seen from the other side it comes after it.
+template <HalvesWithoutData Outer, CutsItems Inner>
+struct Nested {
+    Outer outer{};
+    Inner inner{};
+    /// A cube of no more items is left to Inner.
+    std::uint32_t largest_leaf = 1024;
+
+    struct node_data {
+        typename Inner::node_data inner;
+        std::uint32_t is_inner;
+    };
+    static constexpr PartitionFacts facts{.offers = clipped,
+                                          .ordering = Inner::facts.ordering,
+                                          .splits_for_order = true,
+                                          .file_tag = Inner::facts.file_tag ^ (Outer::facts.file_tag << 8 | 0x4e)};
+
+    Cell root(const Box& bounds) const { return bounds.is_empty() ? Cell{} : tight(outer.root(bounds)); }
+
+    Split choose(const Cell& cell, const ClippedItems& items, node_data& data) const {
+        data.is_inner = cell.stage != 0 || !may_halve(cell, items);
+        return data.is_inner ? inner.choose(inner_cell(cell), items, data.inner) : Split::always;
+    }
+
+    Cuts cuts(const Cell& cell, const node_data& data) const {
+        if (data.is_inner) return inner.cuts(cell, data.inner);
+        Cuts median{{}, 3, 8};
+        for (unsigned axis = 0; axis < 3; ++axis) median.planes[axis].normal[int(axis)] = 1;
+        return median;
+    }
+    unsigned child_at(const node_data& data, const Sides& sides) const {
+        if (data.is_inner) return inner.child_at(data.inner, sides);
+        unsigned octant = 0;
+        for (unsigned axis = 0; axis < 3; ++axis) octant |= unsigned(sides[axis] != Side::behind) << axis;
+        return octant;
+    }
+    void fit(const Cell& cell, node_data& data, std::span<const Box> children) const {
+        if (data.is_inner) inner.fit(cell, data.inner, children);
+    }
+
+    Cell child(const Cell& parent, const node_data& data, unsigned i) const {
+        if (!data.is_inner) return tight(outer.child(parent, {}, i));
+        Cell cell = inner.child(inner_cell(parent), data.inner, i);
+        ++cell.stage;
+        return cell;
+    }
+
+    void front_to_back(const Cell& cell, const node_data& data, glm::vec4 viewpoint, ChildOrder& order) const {
+        if (data.is_inner) {
+            inner.front_to_back(cell, data.inner, viewpoint, order);
+        } else {
+            outer.front_to_back(cell, {}, viewpoint, order);
+        }
+    }
+
+    bool is_sound(const node_data& data) const { return data.is_inner <= 1 && inner.is_sound(data.inner); }
+
+  private:
+    /// Stage 0 is the outer partition's, or the first cell of the inner one; the inner one's own are counted from 1.
+    static Cell inner_cell(Cell cell) {
+        if (cell.stage != 0) --cell.stage;
+        return cell;
+    }
+
+    /// Nothing sticks out of a cube, but the steps of single precision: their centers may be off by one a level.
+    static Cell tight(Cell cube) {
+        cube.bounds_center = cube.center;
+        cube.bounds_half = cube.half + (glm::abs(cube.center) + cube.half) * 0x1p-19f;
+        return cube;
+    }
+
+    bool may_halve(const Cell& cell, const ClippedItems& items) const {
+        if (items.size() <= largest_leaf || items.need_no_order(cell)) return false;
+        typename Outer::node_data nothing{};
+        const Split answer = outer.choose(cell, std::span<const Item>(), nothing);
+        if (answer != Split::yes && answer != Split::always) return false;
+        const Cuts median = cuts(cell, node_data{{}, 0});
+        // A sample tells the cuts. Where an instance is in the way the inner partition may find a way around it.
+        const std::size_t polygons = items.size() - items.instances(), sampled = std::min<std::size_t>(polygons, 256);
+        std::size_t cut = 0;
+        for (const CuttingPlane& plane : median.planes) {
+            const PlaneInCell in_cell(plane, cell);
+            for (std::size_t i = 0; i < items.instances(); ++i) {
+                if (items.relation(i, plane, in_cell, cell) == Relation::crossing) return false;
+            }
+            for (std::size_t k = 0; k < sampled; ++k) {
+                const std::size_t i = items.instances() + k * polygons / sampled;
+                cut += items.relation(i, plane, in_cell, cell) == Relation::crossing;
+            }
+        }
+        return 2 * cut <= sampled;
+    }
+};
+
+}  // namespace farfield

@@ -1,0 +1,127 @@
+// Binary space partitioning (Fuchs, Kedem and Naylor 1980), which Greene 1996, section 4 draws from front to back.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+
+#include "farfield/partition/plane_choice.hpp"
+#include "farfield/policy.hpp"
+
+namespace farfield {
+
+/// Every cell but the last is cut by a plane into what lies behind it, on it and in front of it, in that order of
+/// children; a leaf holds one piece, or some that lie in one plane, and what no plane tells from an instance.
+struct PolygonBsp {
+    /// Levels below the root. Cells that reach it are not in order; the report counts them.
+    std::uint32_t max_depth = 500;
+    /// A plane's price: so many times the pieces it cuts, plus by how many one side has more than the other. Measured
+    /// with 8, 16, 20: an office building gets 38, 27, 24 % more pieces than polygons, leaves of a tree 215, 235, 240
+    /// %.
+    float price_of_cut = 16;
+
+    /// The plane, and the bounds of what is behind and in front in 1/255 of the cell's own, rounded outwards.
+    struct node_data {
+        CuttingPlane plane;
+        std::array<glm::u8vec3, 2> lower, upper;
+    };
+    static_assert(sizeof(node_data) == 28);
+    static constexpr PartitionFacts facts{
+        .offers = clipped, .ordering = Ordering::primitives, .splits_for_order = true, .file_tag = 0x42530001u};
+    enum Child : unsigned { behind, on, in_front };
+
+    Cell root(const Box& bounds) const {
+        Cell cell;
+        if (!bounds.is_empty()) cell = cell_around(bounds.lower, bounds.upper);
+        return cell;
+    }
+
+    Split choose(const Cell& cell, const ClippedItems& items, node_data& data) const {
+        if (cell.stage == flat || items.need_no_order(cell)) return Split::no;
+        if (cell.depth >= max_depth) return Split::too_deep;
+        return detail::choose_plane(cell, items, price_of_cut, data.plane) ? Split::always : Split::inseparable;
+    }
+
+    Cuts cuts(const Cell&, const node_data& data) const { return {{data.plane}, 1, 3}; }
+    unsigned child_at(const node_data&, const Sides& sides) const { return unsigned(sides[0]); }
+
+    void fit(const Cell& cell, node_data& data, std::span<const Box> children) const {
+        const Box parent = cell.bounds();
+        for (const unsigned side : {0u, 1u}) {
+            const Box& child = children[side == 0 ? behind : in_front];
+            data.lower[side] = glm::u8vec3(0);
+            data.upper[side] = glm::u8vec3(255);
+            if (child.is_empty()) continue;
+            for (int axis = 0; axis < 3; ++axis) {
+                const float from = parent.lower[axis], to = parent.upper[axis];
+                const float steps = to > from ? 255 / (to - from) : 0.0f;
+                const auto step = [&](float p) { return std::uint8_t(glm::clamp((p - from) * steps, 0.0f, 255.0f)); };
+                std::uint8_t lower = step(child.lower[axis]), upper = step(child.upper[axis]);
+                while (lower > 0 && at(from, to, lower) > child.lower[axis]) --lower;
+                while (upper < 255 && at(from, to, upper) < child.upper[axis]) ++upper;
+                data.lower[side][axis] = lower;
+                data.upper[side][axis] = upper;
+            }
+        }
+    }
+
+    Cell child(const Cell& parent, const node_data& data, unsigned i) const {
+        Cell cell = parent;
+        if (i != on) {
+            const Box box = parent.bounds();
+            const std::size_t side = i == behind ? 0 : 1;
+            glm::vec3 lower, upper;
+            for (int axis = 0; axis < 3; ++axis) {
+                lower[axis] = at(box.lower[axis], box.upper[axis], data.lower[side][axis]);
+                upper[axis] = at(box.lower[axis], box.upper[axis], data.upper[side][axis]);
+            }
+            cell = cell_around(lower, upper);
+        }
+        cell.depth = std::uint16_t(parent.depth + 1);
+        // What lies on one plane may, up to rounding, not lie on that of any of the pieces: it is done with all the
+        // same.
+        cell.stage = i == on ? flat : parent.stage;
+        return cell;
+    }
+
+    /// The viewer's side first, then what lies on the plane. A viewer on the plane sees it on edge.
+    void front_to_back(const Cell& cell, const node_data& data, glm::vec4 viewpoint, ChildOrder& order) const {
+        const bool is_in_front = PlaneInCell(data.plane, cell).height(viewpoint) > 0;
+        order = {std::uint8_t(is_in_front ? in_front : behind),
+                 on,
+                 std::uint8_t(is_in_front ? behind : in_front),
+                 3,
+                 4,
+                 5,
+                 6,
+                 7};
+    }
+
+    /// For storage/: any plane and any bounds can be walked.
+    bool is_sound(const node_data& data) const {
+        const glm::vec4 plane(data.plane.normal, data.plane.offset);
+        return std::isfinite(plane.x) && std::isfinite(plane.y) && std::isfinite(plane.z) && std::isfinite(plane.w);
+    }
+
+  private:
+    static constexpr std::uint16_t flat = 1;
+
+    static float at(float from, float to, std::uint8_t step) {
+        return step == 0 ? from : step == 255 ? to : from + (to - from) * (float(step) * (1.0f / 255));
+    }
+
+    /// A step wider than the box, so that center and half side, rounded, hold it.
+    static Cell cell_around(glm::vec3 lower, glm::vec3 upper) {
+        const glm::vec3 center = Box{lower, upper}.center();
+        const glm::vec3 half = glm::max(center - lower, upper - center) * (1 + 0x1p-22f);
+        return {center, half, center, half, 0, 0};
+    }
+};
+
+}  // namespace farfield
