@@ -262,8 +262,7 @@ class Tiler {
         t.possible &= box_in(level, x, y);
         Extremes extremes;
         const std::uint64_t hidden = cell.covered & behind(t.possible & ~cell.vacant, at, level, x, y, extremes);
-        // What varies from pixel to pixel is not said of many at once.
-        const std::uint64_t whole = surface_.is_flat && surface_.is_solid ? cell.vacant & t.covered : no_subcells;
+        const std::uint64_t whole = surface_.is_solid ? cell.vacant & t.covered : no_subcells;
         cell.covered |= whole;
         cell.vacant &= ~whole;
         for (std::uint64_t left = whole; left != 0; left &= left - 1) {
@@ -318,7 +317,7 @@ class Tiler {
         if ((whole | active) == 0) return false;
         if (is_untouched_) {
             // A block that is all of the image has no parent that would know its depth.
-            if (whole == cell_.vacant && surface_.is_flat && (!is_lazy || pyramid_.top_level() > 1)) {
+            if (whole == cell_.vacant && (!is_lazy || pyramid_.top_level() > 1)) {
                 cover_cell(1, x, y);
                 pyramid_[block] = {all_subcells, no_subcells};
                 return true;
@@ -441,9 +440,13 @@ class Tiler {
         if constexpr (is_lazy) {
             if (inside == 0) return;
             if (surface_.is_deposit) return deposit(k, inside, covered);
-            std::uint64_t z_buffered = target_.lazy.block(block_.index).deep | target_.samples.deposited(block_);
-            if ((inside & covered) != 0) z_buffered |= ~behind_;
-            if ((z_buffered & ~cell_.vacant & bit_of(k)) != 0) return tile_deep_mask(k, inside, covered);
+            const std::uint64_t z_buffered = target_.lazy.block(block_.index).deep | target_.samples.deposited(block_);
+            const bool may_meet = (inside & covered) != 0 && (behind_ >> k & 1) == 0;
+            if ((may_meet || (z_buffered >> k & 1) != 0) && !is_vacant) {
+                if ((z_buffered >> k & 1) != 0 || !is_behind_fragments(k, inside & covered)) {
+                    return tile_deep_mask(k, inside, covered);
+                }
+            }
         }
         const std::uint64_t seen = inside & ~covered;
         if (seen == 0) return;
@@ -586,6 +589,43 @@ class Tiler {
         masks_[k] = covered | seen;
         if (masks_[k] == all_subcells) cell_.covered |= bit_of(k);
         lazy.farthest(block_.index).q[k] = least_of(deep, masks_[k] & ~samples_outside(k));
+    }
+
+    /// Whether it lies behind all that those samples of a mask show. Bounds over a whole mask cannot tell where
+    /// surfaces are steep.
+    [[gnu::noinline]] bool is_behind_fragments(unsigned k, std::uint64_t samples) const {
+        const LazyDepth& lazy = target_.lazy;
+        for (std::uint32_t f = lazy.block(block_.index).whole_masks; f != LazyDepth::none; f = lazy.fragment(f).next) {
+            if ((lazy.fragment(f).bits >> k & 1) != 0)
+                return is_behind(lazy.surface(lazy.fragment(f).surface), k, samples);
+        }
+        for (std::uint32_t f = lazy.history(64 * block_.index + k); f != LazyDepth::none; f = lazy.fragment(f).next) {
+            const std::uint64_t shared = lazy.fragment(f).bits & samples;
+            if (shared != 0 && !is_behind(lazy.surface(lazy.fragment(f).surface), k, shared)) return false;
+        }
+        return true;
+    }
+    bool is_behind(const Surface& other, unsigned k, std::uint64_t samples) const {
+        using EightFloats = MaskKernel::EightFloats;
+        const int x = block_.sample_x_of(k), y = block_.sample_y_of(k);
+        const DepthPlane &d = surface_.depth, &o = other.depth;
+        EightFloats own, others;
+        for (int i = 0; i < 8; ++i) {
+            own[i] = d.column(x + i);
+            others[i] = o.column(x + i);
+        }
+        for (int j = 0; j < 8; ++j) {
+            const auto wanted = unsigned(samples >> (8 * j) & 255);
+            if (wanted == 0) continue;
+            EightFloats q = d.row(y + j) + own, r = o.row(y + j) + others;
+            q = q < d.lowest ? EightFloats{} + d.lowest : q;
+            q = q > d.highest ? EightFloats{} + d.highest : q;
+            r = r < o.lowest ? EightFloats{} + o.lowest : r;
+            r = r > o.highest ? EightFloats{} + o.highest : r;
+            const MaskKernel::EightInts is_nearer = ~(q < r);
+            if ((MaskKernel::byte_of(is_nearer) & wanted) != 0) return false;
+        }
+        return true;
     }
 
     void make_deep(unsigned k, std::uint64_t covered) {

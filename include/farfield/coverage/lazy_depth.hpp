@@ -67,8 +67,10 @@ class LazyDepth {
     SubcellDepths& farthest(std::size_t cell) { return farthest_[cell]; }
     /// Of cells above blocks only covered_by means anything.
     Block& block(std::size_t cell) { return cells_[cell]; }
+    const Block& block(std::size_t cell) const { return cells_[cell]; }
     /// Of mask `at` of samples, 64 * block + subcell: its first fragment, or, where it is z-buffered, which DeepMask.
     std::uint32_t& history(std::size_t at) { return histories_[at]; }
+    std::uint32_t history(std::size_t at) const { return histories_[at]; }
 
     std::uint32_t add(const Surface& surface) {
         if (surface_count_ == surfaces_.size()) surfaces_.resize(2 * surfaces_.size() + 64);

@@ -51,9 +51,12 @@ class PixelSamples {
     FARFIELD_INLINE void open_block(const MaskBlock& block) {
         if constexpr (has_blocks) filter_.open_block(block.index);
     }
-    /// All samples of a block, of which none has been seen, of a flat surface.
+    /// All samples of a block, of which none has been seen.
     FARFIELD_INLINE void cover_block(const MaskBlock& block, const Surface& surface) {
-        if constexpr (has_blocks) {
+        if (!surface.is_flat) {
+            open_block(block);
+            cover_masks(block, all_subcells, surface);
+        } else if constexpr (has_blocks) {
             filter_.fill_block(block.index, surface.seen_color());
         } else {
             filter_.fill(8 * block.x, 8 * block.y, 8, 8, surface.seen_color());
@@ -69,9 +72,13 @@ class PixelSamples {
             }
             return;
         }
-        for (; masks != 0; masks &= masks - 1) {
-            const auto k = unsigned(std::countr_zero(masks));
-            add(block, k, all_subcells, 64, surface, true);
+        for (unsigned row = 0; masks != 0; masks >>= 8, row += 8) {
+            if ((masks & 255) == 0) continue;
+            const auto colors = surface.seen_colors_of_pixels(block.sample_x, block.sample_y_of(row));
+            for (auto left = unsigned(masks & 255); left != 0; left &= left - 1) {
+                const auto i = unsigned(std::countr_zero(left));
+                add(block, row + i, all_subcells, 64, colors[i], true);
+            }
         }
     }
     /// Some samples of mask k, `count` of them; `is_first`: of none other in this frame.
@@ -157,6 +164,7 @@ class SinglePixels {
 
     void open_block(const MaskBlock&) {}
     FARFIELD_INLINE void cover_block(const MaskBlock& block, const Surface& surface) {
+        if (!surface.is_flat) return cover_masks(block, all_subcells, surface);
         pixels_.fill(64 * block.x, 64 * block.y, 64, 64, surface.seen_color());
     }
     FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {

@@ -176,11 +176,11 @@ class BasicCoverageRenderer {
             corners.y[c] = snapped_to_256th(y[c]);
             corners.q[c] = q[c];
         }
+        const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream.colors(r);
         if (r.is_triangle) {
-            const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream.colors(r);
             draw_triangle(r, corners, 0, 1, 2, colors);
         } else {
-            draw_quadrilateral(r, corners);
+            draw_quadrilateral(r, corners, colors);
         }
     }
 
@@ -196,7 +196,7 @@ class BasicCoverageRenderer {
         }
     };
 
-    void draw_quadrilateral(const PolygonRecord& r, const Corners& k) {
+    void draw_quadrilateral(const PolygonRecord& r, const Corners& k, const Rgba8* colors) {
         const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
         const auto [low_y, high_y] = std::minmax({k.y[0], k.y[1], k.y[2], k.y[3]});
         if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
@@ -206,8 +206,8 @@ class BasicCoverageRenderer {
         if (is_clockwise == is_front) {
             // Snapping bent it, or it is nothing: then both were 0 throughout.
             if (is_front) return;
-            draw_triangle(r, k, 0, 1, 2, nullptr);
-            draw_triangle(r, k, 0, 2, 3, nullptr);
+            draw_triangle(r, k, 0, 1, 2, colors);
+            draw_triangle(r, k, 0, 2, 3, colors);
             return;
         }
         if (!is_front && options_.culls_back_faces) return;
@@ -217,18 +217,24 @@ class BasicCoverageRenderer {
             polygon_.x[c] = k.x[order[c]];
             polygon_.y[c] = k.y[order[c]];
         }
+        // Depth and colors are those of the larger half's plane.
+        const std::int64_t one = std::abs(k.triangle(0, 1, 2).doubled_area()),
+                           other = std::abs(k.triangle(0, 2, 3).doubled_area());
+        const unsigned half[3] = {0, one >= other ? 1u : 2u, one >= other ? 2u : 3u};
+        SnappedTriangle t = k.triangle(half[0], half[1], half[2]);
+        if (is_front) t.flip();
         if constexpr (is_lazy) {
-            // The plane is that of the larger half.
-            const std::int64_t one = std::abs(k.triangle(0, 1, 2).doubled_area()),
-                               other = std::abs(k.triangle(0, 2, 3).doubled_area());
-            SnappedTriangle t = one >= other ? k.triangle(0, 1, 2) : k.triangle(0, 2, 3);
-            if (is_front) t.flip();
             DepthPlane& plane = polygon_.surface.depth = DepthPlane(t, std::max(one, other));
             const auto [lowest, highest] = std::minmax({k.q[0], k.q[1], k.q[2], k.q[3]});
             plane.lowest = lowest;
             plane.highest = highest;
         }
-        shade(r, is_front, nullptr);
+        if (colors == nullptr) {
+            shade(r, is_front, nullptr, t);
+        } else {
+            const Rgba8 of_half[4] = {colors[0], colors[half[1]], colors[half[2]], colors[one >= other ? 3 : 1]};
+            shade(r, is_front, of_half, t);
+        }
         tiler_.tile(target_, polygon_);
     }
 
@@ -238,7 +244,9 @@ class BasicCoverageRenderer {
         const auto [low_x, high_x] = std::minmax({t.x[0], t.x[1], t.x[2]});
         const auto [low_y, high_y] = std::minmax({t.y[0], t.y[1], t.y[2]});
         if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
-        draw_triangle(r, t, colors);
+        if (colors == nullptr) return draw_triangle(r, t, nullptr);
+        const Rgba8 own[4] = {colors[a], colors[b], colors[c], colors[c]};
+        draw_triangle(r, t, own);
     }
 
     void draw_triangle(const PolygonRecord& r, SnappedTriangle t, const Rgba8* colors) {
@@ -253,8 +261,7 @@ class BasicCoverageRenderer {
             polygon_.y[c] = t.y[c];
         }
         if constexpr (is_lazy) polygon_.surface.depth = DepthPlane(t, std::abs(area));
-        if (colors != nullptr) polygon_.surface.triangle = t;
-        shade(r, is_front, colors);
+        shade(r, is_front, colors, t);
         tiler_.tile(target_, polygon_);
     }
 
@@ -265,23 +272,29 @@ class BasicCoverageRenderer {
         return x0 > x1 || y0 > y1 || x0 >= to_.end_x || y0 >= to_.end_y || x1 < to_.first_x || y1 < to_.first_y;
     }
 
-    /// Null colors: the record's one. Else three, in the order that corners had before they were turned clockwise.
-    void shade(const PolygonRecord& r, bool is_front, const Rgba8* colors) {
+    /// Null colors: the record's one. Else four, in the order that corners had before they were turned clockwise: those
+    /// of the triangle, and one more that the surface has.
+    void shade(const PolygonRecord& r, bool is_front, const Rgba8* colors, const SnappedTriangle& clockwise) {
         Surface& s = polygon_.surface;
         s.is_background = s.is_fraction = s.is_deposit = false;
         s.is_perspective = to_.is_perspective;
         s.is_flat = colors == nullptr;
-        s.colors = {r.color, r.color, r.color};
+        s.colors.fill(r.color);
+        s.is_solid = r.color.a == 255;
         if (colors != nullptr) {
-            s.colors = {colors[0], colors[is_front ? 2 : 1], colors[is_front ? 1 : 2]};
+            s.colors = {colors[0], colors[is_front ? 2 : 1], colors[is_front ? 1 : 2], colors[3]};
+            s.is_solid = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
         }
-        s.is_solid = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
         const auto corner = [&](unsigned c) { return glm::vec3(r.x[c], r.y[c], r.z[c]); };
         if (!s.is_solid) s.hash = hash_of_triangle(corner(0), corner(1), corner(2));
         if (const DirectionalLight* light = light_.light()) {
             const glm::vec3 n = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
             const float brightness = light->brightness(is_front ? n : -n);
             for (Rgba8& c : s.colors) c = scaled(c, brightness);
+        }
+        if (colors != nullptr) {
+            s.triangle = clockwise;
+            s.gradient = ColorGradient(clockwise, s.colors, to_.is_perspective);
         }
     }
 
@@ -295,11 +308,12 @@ class BasicCoverageRenderer {
         for (std::size_t i = 2; i < clipped.size(); ++i) {
             SnappedTriangle t;
             const std::size_t from[3] = {0, i - 1, i};
-            Rgba8 corner_colors[3];
+            Rgba8 corner_colors[4];
             for (unsigned c = 0; c < 3; ++c) {
                 clipped.snap(from[c], to_, t, c);
                 if (colors != nullptr) corner_colors[c] = to_rgba8(clipped[from[c]].color);
             }
+            corner_colors[3] = corner_colors[2];
             draw_triangle(r, t, colors == nullptr ? nullptr : corner_colors);
         }
     }

@@ -3,6 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <vector>
 
 #include "farfield/geometry/rgba8.hpp"
@@ -17,12 +21,12 @@ struct alignas(64) PolygonRecord {
 
     float x[4], y[4], z[4];
     Rgba8 color;
-    std::uint32_t colors = flat;  ///< where its corners' colors are, if they differ: triangles only
+    std::uint32_t colors = flat;  ///< where its corners' colors are, if they differ
     bool is_triangle = false;
 };
 static_assert(sizeof(PolygonRecord) == 64);
 
-/// A source as records. Polygons of more corners, and those of several colors, come in parts.
+/// A source as records. Polygons of more corners come in parts, and so do those whose colors have no one gradient.
 class PolygonStream {
   public:
     template <PrimitiveWithPolygons P>
@@ -47,22 +51,24 @@ class PolygonStream {
     std::uint32_t first_record(std::uint32_t position) const {
         return first_record_.empty() ? position : first_record_[position];
     }
-    /// Three, of a record whose corners differ.
+    /// Four, of a record whose corners differ.
     const Rgba8* colors(const PolygonRecord& record) const { return &colors_[record.colors]; }
 
   private:
     void add(const Polygon& polygon) {
         const std::size_t corners = polygon.vertices.size();
-        bool is_flat = true;
+        bool is_flat = true, is_solid = polygon.colors[0].a == 255;
         if (polygon.colors.size() >= corners) {
-            for (const Rgba8 c : polygon.colors) is_flat = is_flat && c == polygon.colors[0];
+            for (const Rgba8 c : polygon.colors) {
+                is_flat = is_flat && c == polygon.colors[0];
+                is_solid = is_solid && c.a == 255;
+            }
         }
-        // Which samples a translucent triangle covers goes by the triangle (raster/shading.hpp).
-        const bool in_quadrilaterals = is_flat && polygon.colors[0].a == 255;
-        const std::size_t step = in_quadrilaterals ? 2 : 1;
-        for (std::size_t i = 1; i + 1 < corners; i += step) {
-            const bool is_triangle = !in_quadrilaterals || i + 2 >= corners;
+        for (std::size_t i = 1; i + 1 < corners;) {
+            // Which samples a translucent triangle covers goes by the triangle (raster/shading.hpp).
+            const bool is_triangle = !is_solid || i + 2 >= corners || !(is_flat || has_one_gradient(polygon, i));
             const std::size_t of[4] = {0, i, i + 1, is_triangle ? i + 1 : i + 2};
+            i += is_triangle ? 1 : 2;
             PolygonRecord& r = records_.emplace_back();
             for (unsigned c = 0; c < 4; ++c) {
                 r.x[c] = polygon.vertices[of[c]].x;
@@ -73,8 +79,22 @@ class PolygonStream {
             r.is_triangle = is_triangle;
             if (is_flat) continue;
             r.colors = std::uint32_t(colors_.size());
-            for (unsigned c = 0; c < 3; ++c) colors_.push_back(polygon.colors[of[c]]);
+            for (const std::size_t c : of) colors_.push_back(polygon.colors[c]);
         }
+    }
+
+    /// Of corners 0, i, i + 1 and i + 2: whether the last has the color that the others make linearly, up to a step.
+    static bool has_one_gradient(const Polygon& polygon, std::size_t i) {
+        const glm::vec3 p = polygon.vertices[0];
+        const glm::vec3 u = polygon.vertices[i] - p, v = polygon.vertices[i + 1] - p, w = polygon.vertices[i + 2] - p;
+        const float uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v);
+        const float wu = glm::dot(w, u), wv = glm::dot(w, v), determinant = uu * vv - uv * uv;
+        if (!(determinant > 0)) return false;
+        const float s = (wu * vv - wv * uv) / determinant, t = (wv * uu - wu * uv) / determinant;
+        const glm::vec4 c = to_vec4(polygon.colors[0]);
+        const glm::vec4 expected = c + s * (to_vec4(polygon.colors[i]) - c) + t * (to_vec4(polygon.colors[i + 1]) - c);
+        const glm::vec4 off = glm::abs(to_vec4(polygon.colors[i + 2]) - expected) * 255.0f;
+        return off.r <= 1 && off.g <= 1 && off.b <= 1 && off.a <= 1;
     }
 
     std::vector<PolygonRecord> records_;

@@ -61,7 +61,7 @@ class ZBufferCanvas {
         for (const Range& r : ranges) {
             const std::uint32_t first = stream.first_triangle(r.first), end = stream.first_triangle(r.first + r.count);
             if (r.law && options_.deposits_small_triangles) {
-                draw_with_deposits(stream, first, end, *r.law, painter);
+                draw_with_deposits(stream, first, end, r.law.value_or(AreaLaw::coherent), painter);
             } else {
                 draw_triangles(stream, first, end, to_, triage_, painter);
             }
