@@ -11,6 +11,11 @@
 //   seams      flicker and largest pop (root mean square over the unit ball's rectangle) on a dolly from 2 to 32 radii
 //   trembling  likewise where the eye trembles by 1e-3 of its distance; flips: part of the covered pixels, a frame, of
 //              which a channel changes by more than a tenth beyond what the reference's does
+//   occlusion  behind two occluders with a gap of some samples, by coverage masks: gap_seen: brightness of what the gap
+//              shows, as a part of the reference's; drawn: part of the primitives that were not culled; cells of the
+//              coverage pyramid visited a pixel
+//
+// Rows that end in +masks are drawn with coverage masks, 64 samples a pixel.
 #include "scenes/gallery.hpp"
 
 #include <benchmark/benchmark.h>
@@ -25,13 +30,18 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "farfield/measure/flicker.hpp"
 #include "farfield/measure/projected_rect.hpp"
+#include "farfield/raster/coverage_renderer.hpp"
 #include "farfield/raster/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
+#include "scenes/any_renderer.hpp"
+#include "scenes/occluders.hpp"
 #include "scenes/random.hpp"
 #include "support/coverage.hpp"
 #include "support/variants.hpp"
@@ -49,26 +59,35 @@ class Drawn {
     virtual const Image& picture(View view) = 0;
 };
 
-template <class V>
+template <class V, class Like = ZBufferRenderer>
 class DrawnBy final : public Drawn {
     using H = typename V::hierarchy_type;
+    using Renderer = scenes::RendererLike<Like>;
     const V& variant_;
     H hierarchy_;
-    ZBufferRenderer renderer_;
-    Viewer<H, Triangle, ZBufferRenderer> viewer_;
+    Renderer renderer_;
+    Viewer<H, Triangle, Renderer> viewer_;
+    FrameStats stats_;
 
   public:
-    DrawnBy(const V& variant, std::span<const Triangle> scene, int samples)
+    DrawnBy(const V& variant, std::span<const Triangle> scene, const scenes::RendererChoice& choice)
         : variant_(variant),
           hierarchy_(H::build(scene, partition_for(variant, scene.size()), variant.approximation, variant.cost)),
-          renderer_({.samples = samples}),
+          renderer_(scenes::make_renderer(choice, false)),
           viewer_(hierarchy_, scene, renderer_) {}
     const Image& picture(View view) override {
         view.distance = distance_measure(variant_);
-        viewer_.frame(view);
-        return renderer_.image();
+        stats_ = viewer_.frame(view);
+        return renderer_.any().image();
     }
+    const FrameStats& stats() const { return stats_; }
+    const CoverageWork* work() const { return renderer_.any().work(); }
 };
+
+constexpr scenes::RendererChoice z_buffer_at(int samples) {
+    return {.samples = samples};
+}
+constexpr scenes::RendererChoice masks{.kind = scenes::RendererKind::coverage, .samples = 64};
 
 View view_from(glm::dvec3 eye, int size, float tolerance) {
     const glm::vec3 up = std::abs(glm::normalize(eye).y) > 0.99 ? glm::vec3(0, 0, 1) : glm::vec3(0, 1, 0);
@@ -278,7 +297,8 @@ const Subject& subject_of(const Failure& failure, const std::string& scene, floa
     subjects.clear();  // rows come by subjects
     Subject& s = subjects[key] = {scenes::make_gallery(scene, severity, triangles)};
     s.views = failure.views(s.scene);
-    DrawnBy finely(std::get<0>(variants), s.scene.triangles, 64);
+    using Exactly = std::remove_cvref_t<std::tuple_element_t<0, Variants>>;
+    DrawnBy<Exactly> finely(std::get<0>(variants), s.scene.triangles, z_buffer_at(64));
     for (const View& seen : s.views) {
         View view = failure.reference_view(seen);
         view.tolerance_px = 0;
@@ -287,30 +307,90 @@ const Subject& subject_of(const Failure& failure, const std::string& scene, floa
     return s;
 }
 
+template <class Like, class V, class Variants>
+void register_row(const Failure& failure, const std::string& scene, float severity, const V& variant,
+                  const scenes::RendererChoice& choice, const char* suffix, const Variants& all) {
+    std::string label = std::to_string(severity);
+    label.resize(4);
+    const std::string name = std::string(failure.name) + "/" + scene + "/" + label + "/" + variant.name + suffix;
+    benchmark::RegisterBenchmark(name.c_str(),
+                                 [&failure, scene, severity, &variant, choice, &all](benchmark::State& state) {
+                                     const Subject& subject = subject_of(failure, scene, severity, all);
+                                     for (auto _ : state) {
+                                         const std::span<const Triangle> triangles_of_scene(subject.scene.triangles);
+                                         DrawnBy<V, Like> drawn(variant, triangles_of_scene, choice);
+                                         failure.measure(state, subject, drawn);
+                                     }
+                                 })
+        ->Iterations(1)
+        ->Unit(benchmark::kMillisecond);
+}
+
+/// Also drawn with coverage masks, whose samples are the far field's opacity.
+template <class V>
+constexpr bool masks_draw = DrawableWith<typename V::hierarchy_type, Triangle, CoverageRenderer>;
+
 [[maybe_unused]] const bool rows_are_registered = [] {
     static const auto all = variants();
     for (const Failure& failure : failures()) {
         for (const auto& rows : failure.scenes) {
             const std::string scene = rows.first;  // clang 14 captures no structured bindings
             for (const float severity : rows.second) {
-                for_each_variant(all, [&](const auto& variant) {
-                    std::string label = std::to_string(severity);
-                    label.resize(4);
-                    const std::string name = std::string(failure.name) + "/" + scene + "/" + label + "/" + variant.name;
-                    benchmark::RegisterBenchmark(
-                        name.c_str(),
-                        [&failure, scene, severity, &variant](benchmark::State& state) {
-                            const Subject& subject = subject_of(failure, scene, severity, all);
-                            for (auto _ : state) {
-                                DrawnBy drawn(variant, std::span<const Triangle>(subject.scene.triangles), 16);
-                                failure.measure(state, subject, drawn);
-                            }
-                        })
-                        ->Iterations(1)
-                        ->Unit(benchmark::kMillisecond);
+                for_each_variant(all, [&]<class V>(const V& variant) {
+                    register_row<ZBufferRenderer>(failure, scene, severity, variant, z_buffer_at(16), "", all);
+                    if constexpr (masks_draw<V>) {
+                        if (!is_drawn_with_masks(variant)) return;
+                        register_row<CoverageRenderer>(failure, scene, severity, variant, masks, "+masks", all);
+                    }
                 });
             }
         }
+    }
+    return true;
+}();
+
+// ---- occlusion
+
+/// A gap of so many samples, 64 a pixel, between two occluders that hide all else.
+template <class V>
+void occlusion(benchmark::State& state, const V& variant, double gap_in_samples) {
+    constexpr int size = 256;
+    constexpr double distance = 4;
+    const double sample_width = 2 * distance * std::tan(0.45) / (8 * size);
+    const auto scene = scenes::occluders_with_gap({.gap = float(gap_in_samples * sample_width)});
+    const auto part_bright = [](const Image& image) {
+        double sum = 0;
+        for (const Rgba8 c : image.pixels()) sum += std::max(c.r - 34, 0);
+        return sum;
+    };
+    for (auto _ : state) {
+        DrawnBy<V> reference(variant, scene, z_buffer_at(64));
+        DrawnBy<V, CoverageRenderer> drawn(variant, scene, masks);
+        const View view = view_from({0.3 * sample_width, 0, distance}, size, 1);
+        View exactly = view;
+        exactly.tolerance_px = 0;
+        const double expected = part_bright(reference.picture(exactly));
+        state.counters["gap_seen"] = part_bright(drawn.picture(view)) / expected;
+        state.counters["drawn"] = double(drawn.stats().primitives) / double(scene.size());
+        state.counters["tiling"] = double(drawn.work()->cells_tiled) / (size * size);
+        state.counters["asking"] = double(drawn.work()->cells_asked) / (size * size);
+    }
+}
+
+[[maybe_unused]] const bool occlusion_is_registered = [] {
+    static const auto all = variants();
+    for (const double gap : {1.02, 4.0}) {
+        for_each_variant(all, [&]<class V>(const V& variant) {
+            if constexpr (masks_draw<V>) {
+                if (!is_drawn_with_masks(variant)) return;
+                const std::string name = std::string("occlusion/gap/") + (gap < 2 ? "1" : "4") + "/" + variant.name;
+                benchmark::RegisterBenchmark(
+                    (name + "+masks").c_str(),
+                    [gap, &variant](benchmark::State& state) { occlusion(state, variant, gap); })
+                    ->Iterations(1)
+                    ->Unit(benchmark::kMillisecond);
+            }
+        });
     }
     return true;
 }();

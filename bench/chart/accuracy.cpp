@@ -63,8 +63,9 @@ class SceneRun {
         pictured_tolerance_ = nearest(options.tolerances_px, 1);
     }
 
-    void measure(const std::vector<const AnyVariant*>& variants) {
+    void measure(const std::vector<const AnyVariant*>& all) {
         measure_exact();
+        const std::vector<const AnyVariant*> variants = variants_over(stored_, all);
         const auto most = std::max<std::size_t>(std::size_t(limit_bytes / (bytes_a_triangle * double(stored_ + 1))), 1);
         for (std::size_t first = 1; first < variants.size() && !was_interrupted(); first += most) {
             const auto last = std::min(first + most, variants.size());

@@ -77,7 +77,7 @@ expect_refusal(--from "${DIRECTORY}/not_a_chart.csv")
 
 expect_success("${CHART}" --help)
 expect_success("${CHART}" --list)
-foreach(part IN ITEMS tree quadrupled-forest exact color-cube)
+foreach(part IN ITEMS tree quadrupled-forest exact color-cube exact[+]masks octree-of-bsps[+]masks)
   if(NOT out MATCHES "${part}")
     message(SEND_ERROR "--list does not tell about ${part}")
   endif()
@@ -111,6 +111,15 @@ foreach(picture IN ITEMS reference exact exact_difference color-cube color-cube_
     message(SEND_ERROR "there is no picture of tree: ${picture}")
   endif()
 endforeach()
+
+# With coverage masks, once, at 64 samples whatever is asked for.
+expect_success("${CHART}" --scenes tree --growth none --variants exact+masks --distances 14 --samples 1,4 --repetitions 1
+               --size 32 --out "${DIRECTORY}/masks")
+file(STRINGS "${DIRECTORY}/masks/chart.csv" lines REGEX "exact[+]masks,64,")
+list(LENGTH lines count)
+if(NOT count EQUAL 1 OR NOT EXISTS "${DIRECTORY}/masks/pictures/tree_exact+masks.png")
+  message(SEND_ERROR "expected one row and a picture with masks, got ${count} rows")
+endif()
 
 # Drawn again, elsewhere, from a file that was cut short in its last line.
 file(READ "${DIRECTORY}/tiny/chart.csv" csv)

@@ -50,9 +50,11 @@ class SeriesRun {
     void measure(std::uint32_t size) {
         const scenes::Scene scene = series_.make(size);
         const auto triangles = double(scenes::triangle_count(scene));
+        const auto stored = std::size_t(scenes::bytes(scene) / sizeof(VertexColoredTriangle));
+        const std::vector<const AnyVariant*> variants = variants_over(stored, variants_);
         std::vector<std::unique_ptr<scenes::BuiltScene>> built;
         std::vector<std::unique_ptr<scenes::SceneViewer>> viewers;
-        for (const AnyVariant* variant : variants_) {
+        for (const AnyVariant* variant : variants) {
             if (was_interrupted()) return;
             built.push_back(variant->build(scene));
             viewers.push_back(built.back()->viewer({.kind = variant->renderer, .samples = variant->samples(1)}));
@@ -66,15 +68,15 @@ class SeriesRun {
             std::vector<Contestant> turns;
             for (std::size_t i = 0; i < viewers.size(); ++i) {
                 View view = views[v].view;
-                const bool stands_in = i < variants_.size() && variants_[i]->stands_in;
+                const bool stands_in = i < variants.size() && variants[i]->stands_in;
                 view.tolerance_px = stands_in ? float(tolerance_px) : 0;
-                if (stands_in) view.distance = variants_[i]->distance;
+                if (stands_in) view.distance = variants[i]->distance;
                 turns.push_back({viewers[i].get(), view});
             }
             take_turns(std::span(turns), options_.repetitions, limit_seconds, was_interrupted);
             if (turns.front().seconds.empty()) return;
             Row row = row_of(views[v], triangles);
-            for (std::size_t i = 0; i < variants_.size(); ++i) add(row, *variants_[i], turns[i], *built[i]);
+            for (std::size_t i = 0; i < variants.size(); ++i) add(row, *variants[i], turns[i], *built[i]);
             if (times_plain) {
                 add_plain(row, turns.back(), plain_[v]);
             } else {

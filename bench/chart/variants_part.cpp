@@ -33,6 +33,7 @@ AnyVariant any_with_masks(const V& variant) {
     AnyVariant result = any(variant);
     result.name += "+masks";
     result.renderer = scenes::RendererKind::coverage;
+    if (V::hierarchy_type::ordering == Ordering::primitives) result.most_triangles = 200'000;
     return result;
 }
 

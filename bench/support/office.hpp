@@ -65,7 +65,7 @@ struct OfficePlan {
             from(middle, {1.0, 1.65, 6.6}, {5.0, 1.3, 3.0}),            // aslant into doors
             from(outer, {2.2, 1.65, 4.2}, {1.8, 1.4, 0.0}),             // towards a window
             from(outer, {0.8, 1.65, 0.8}, {2.6, 1.4, 5.0}),             // out of its door
-            from(outer, {1.0, 1.65, 3.4}, {6.0, 1.4, 3.7}),       // through a door to the neighbor
+            from(outer, {1.0, 1.65, 3.4}, {6.0, 1.4, 3.7}),             // through a door to the neighbor
             from(last, {3.0, 1.65, 10.0}, {1.5, 1.3, 6.0}),             // the other side of the corridor
         };
     }

@@ -23,6 +23,13 @@ struct Patience {
     double seconds = 1.5;
 };
 
+/// Of an even number the mean of the two in the middle; there must be one.
+inline double middle(std::vector<double> v) {
+    std::sort(v.begin(), v.end());
+    const std::size_t n = v.size();
+    return 0.5 * (v[(n - 1) / 2] + v[n / 2]);
+}
+
 /// As seconds_in_turn, of the processor.
 template <class F>
 double processor_seconds_in_turn(double last_seconds, F&& frame) {
@@ -103,8 +110,8 @@ class Table {
         const double worst = is_share ? *std::max_element(reached.begin(), reached.end())
                                       : *std::min_element(reached.begin(), reached.end());
         std::printf("| %s | %zu | %.3g | %.3g | %.3g | %.3g | %.0f %% | %s | %s |\n", name.c_str(), views.size(),
-                    median(ours), median(other), median(reached), worst, 100 * median(noise), wanted.text().c_str(),
-                    verdict(wanted, median(reached)));
+                    middle(ours), middle(other), middle(reached), worst, 100 * middle(noise), wanted.text().c_str(),
+                    verdict(wanted, middle(reached)));
         std::fflush(stdout);
     }
 
@@ -112,8 +119,8 @@ class Table {
     static void add_figure(const std::string& name, const std::vector<double>& figures, const Wanted& wanted = {}) {
         const double worst = wanted.kind == Wanted::Kind::at_least ? *std::min_element(figures.begin(), figures.end())
                                                                    : *std::max_element(figures.begin(), figures.end());
-        std::printf("| %s | %zu | | | %.5g | %.5g | | %s | %s |\n", name.c_str(), figures.size(), median(figures),
-                    worst, wanted.text().c_str(), verdict(wanted, median(figures)));
+        std::printf("| %s | %zu | | | %.5g | %.5g | | %s | %s |\n", name.c_str(), figures.size(), middle(figures),
+                    worst, wanted.text().c_str(), verdict(wanted, middle(figures)));
         std::fflush(stdout);
     }
 

@@ -55,11 +55,13 @@ class Run {
     }
 
     /// Throws UsageError where what was built turns out not to be in the order that the renderer needs.
-    std::unique_ptr<SceneViewer> viewer_of(const BuiltScene& built, bool maps_work = false) const {
+    std::unique_ptr<SceneViewer> viewer_of(const BuiltScene& built, const Variant& variant,
+                                           bool maps_work = false) const {
         try {
             return built.viewer(renderer(options_.renderer, options_.samples, maps_work));
         } catch (const std::invalid_argument& error) {
-            throw UsageError(error.what());
+            throw UsageError("the renderer '" + std::string(name_of(options_.renderer)) + "' cannot draw '" +
+                             std::string(variant.name) + "' of this scene: " + error.what());
         }
     }
 
@@ -96,7 +98,7 @@ class Run {
         if (!is_exact) {
             progress_.begin("building " + result.name);
             built = variant.build(setting_.scene);
-            viewer = viewer_of(*built);
+            viewer = viewer_of(*built, variant);
         }
         result.build = (is_exact ? exact_ : built)->facts();
         result.renderer = is_exact ? exact_renderer_ : options_.renderer;
@@ -153,7 +155,7 @@ class Run {
     /// "Work images" (Greene 1996, figure 3) of the frames that are compared: by tiling polygons, by asking about
     /// cells, and their sum. Not while time is taken.
     void draw_work(const BuiltScene& built, const Variant& variant) {
-        const auto viewer = viewer_of(built, true);
+        const auto viewer = viewer_of(built, variant, true);
         progress_.begin("drawing the work on " + std::string(variant.name), int(flight_.quality_frames.size()));
         for (const int frame : flight_.quality_frames) {
             viewer->frame(view_of(frame, variant.distance));

@@ -198,9 +198,9 @@ TEST_CASE("a gap of one sample between occluders stays", "[coverage]") {
             frames.begin(frame);
             for (const TilePolygon& p : walls) CHECK(frames.tile(p));
             const TilePolygon behind = polygon({{left, top}, {right, top}, {right, bottom}, {left, bottom}}, 4);
-            CHECK(frames.tiler().is_seen(frames.target(), behind, 1, 0));
+            CHECK(frames.is_seen(behind, 1, 0));
             CHECK(frames.tile(behind));
-            CHECK_FALSE(frames.tiler().is_seen(frames.target(), behind, 1, 0));
+            CHECK_FALSE(frames.is_seen(behind, 1, 0));
             CHECK_FALSE(frames.tile(behind));
             const Image& image = frames.end();
             CHECK(std::count(image.pixels().begin(), image.pixels().end(), numbered(4)) == 1);
@@ -220,13 +220,13 @@ TEST_CASE("asking tells exactly whether tiling would draw, and changes nothing",
             frames.begin(frame);
             for (std::uint32_t i = 0; i < 25; ++i) {
                 const TilePolygon p = random_polygon(random, frame, i);
-                const bool answer = frames.tiler().is_seen(frames.target(), p, 1, 0);
+                const bool answer = frames.is_seen(p, 1, 0);
                 if (frames.tile(p) != answer) FAIL("round " << round << ", polygon " << i);
                 ++answers[0][answer];
                 // Grown, it is seen wherever it was.
                 const TilePolygon q = random_polygon(random, frame, i);
-                const bool grown = frames.tiler().is_seen(frames.target(), q, 1, 8);
-                if (frames.tiler().is_seen(frames.target(), q, 1, 0) && !grown) FAIL("round " << round);
+                const bool grown = frames.is_seen(q, 1, 8);
+                if (frames.is_seen(q, 1, 0) && !grown) FAIL("round " << round);
                 ++answers[1][grown];
             }
             frames.end();

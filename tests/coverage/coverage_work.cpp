@@ -38,7 +38,7 @@ void check_sums(std::uint64_t seed) {
         std::uint64_t drawn = 0;
         for (std::uint32_t i = 0; i < 20; ++i) {
             drawn += frames.tile(random_polygon(random, frame, i)) ? 1u : 0u;
-            frames.tiler().is_seen(frames.target(), random_polygon(random, frame, i), 0.5f, 8);
+            frames.is_seen(random_polygon(random, frame, i), 0.5f, 8);
         }
         const CoverageWorkImage& work = frames.target().work;
         REQUIRE(work.columns() == width);

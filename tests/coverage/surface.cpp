@@ -31,7 +31,8 @@ Surface random_surface(Random& random, bool is_flat) {
         c = random.color();
         c.a = std::uint8_t(random.below(256));
     }
-    if (is_flat) s.colors = {s.colors[0], s.colors[0], s.colors[0]};
+    if (is_flat) s.colors.fill(s.colors[0]);
+    s.gradient = ColorGradient(s.triangle, s.colors, s.is_perspective);
     return s;
 }
 Rgba8 opaque(Rgba8 c) {
@@ -47,7 +48,7 @@ TEST_CASE("a sample's color is the plane's through the corners; alpha is spent",
         const ColorPlane plane(s.triangle, s.triangle.doubled_area(), s.is_perspective);
         const int x = int(random.below(80)) - 40, y = int(random.below(80)) - 40;
         CHECK(s.seen_color_at(x, y) == opaque(plane.at(x, y, corners)));
-        CHECK(s.seen_color_of_pixel(x, y) == s.seen_color_at(x + 4, y + 4));
+        CHECK(s.seen_color_of_pixel(x, y) == opaque(s.gradient.pixel(float(x) + 4, float(y) + 4)));
     }
 }
 
@@ -74,8 +75,9 @@ TEST_CASE("hashed samples are those of the z-buffer's hash, alpha of 256 of them
             const std::uint64_t mask = s.hashed_samples(x, y, shades_samples);
             for (int k = 0; k < 64; ++k) {
                 const int sx = x + k % 8, sy = y + k / 8;
-                const int cx = shades_samples ? sx : x + 4, cy = shades_samples ? sy : y + 4;
-                const std::uint8_t alpha = s.is_flat ? s.colors[0].a : plane.at(cx, cy, corners).a;
+                const Rgba8 color =
+                    shades_samples ? plane.at(sx, sy, corners) : s.gradient.pixel(float(x) + 4, float(y) + 4);
+                const std::uint8_t alpha = s.is_flat ? s.colors[0].a : color.a;
                 const bool is_covered = alpha == 255 || covered_by_hash(sx, sy, s.hash, alpha);
                 if ((mask >> k & 1) != is_covered) FAIL("surface " << i << ", sample " << k);
                 expected += alpha / 256.0;
@@ -97,7 +99,7 @@ TEST_CASE("alpha of 0 covers nothing, of 255 everything", "[coverage]") {
 
 TEST_CASE("of a part of the far field the number of samples is exact, but for rounding that evens out", "[coverage]") {
     Random random(824);
-    for (int n = 0; n <= 64; ++n) CHECK(std::popcount(scattered_samples[std::size_t(n)]) == n);
+    for (std::size_t n = 0; n <= 64; ++n) CHECK(std::size_t(std::popcount(detail::first_samples[n])) == n);
     for (int alpha = 0; alpha < 256; ++alpha) {
         double sum = 0;
         std::uint64_t every = 0;

@@ -33,7 +33,7 @@ double changed_px(const Image& a, const Image& b) {
 
 TEST_CASE("gallery: on a frozen camera nothing changes") {
     for (const Subject& subject : subjects(3000, {0.0f, 0.5f, 1.0f})) {
-        for (const test::Variant& variant : all_variants()) {
+        for (const test::Variant& variant : gallery_variants()) {
             const auto h = variant.build(subject.triangles);
             ZBufferRenderer renderer;
             const auto viewer = h->viewer(renderer);
@@ -77,7 +77,7 @@ TEST_CASE("gallery: where the camera trembles only what is at the threshold may 
             const Image exact = plain_picture<Triangle>(subject.triangles, at_zero, options);
             const double exact_change =
                 changed_px(exact, plain_picture<Triangle>(subject.triangles, moved_at_zero, options));
-            for (const test::Variant& variant : all_variants()) {
+            for (const test::Variant& variant : gallery_variants()) {
                 const auto h = variant.build(subject.triangles);
                 const std::vector<NodeRef> nodes = all_nodes(*h);
                 ZBufferRenderer renderer(options);
@@ -149,7 +149,7 @@ TEST_CASE("gallery: on a dolly no frame is blank and no pop is larger than error
             views.push_back(subject.view(2 * std::pow(16.0, double(i) / (frames - 1)), 40, 0));
             exact.push_back(plain_picture<Triangle>(subject.triangles, views.back(), options));
         }
-        for (const test::Variant& variant : all_variants()) {
+        for (const test::Variant& variant : gallery_variants()) {
             const auto h = variant.build(subject.triangles);
             ZBufferRenderer renderer(options);
             const auto viewer = h->viewer(renderer);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "farfield/cost/measured_time.hpp"
 #include "farfield/geometry/frustum.hpp"
 #include "scenes/gallery.hpp"
 #include "support/pictures.hpp"
@@ -42,6 +43,18 @@ inline std::vector<Subject> subjects(std::uint32_t triangles, std::initializer_l
         }
     }
     return out;
+}
+
+/// All variants, but those that cut polygons, which takes long, with one cost model: none says where they cut.
+inline const std::vector<Variant>& gallery_variants() {
+    static const std::vector<Variant> some = [] {
+        std::vector<Variant> v = all_variants();
+        std::erase_if(v, [](const Variant& one) {
+            return one.is_clipped && one.name.find(MeasuredTime::unit) != std::string::npos;
+        });
+        return v;
+    }();
+    return some;
 }
 
 /// Clusters look at each of their cubes through a grid of two by two points. What is thinner than those lie apart is

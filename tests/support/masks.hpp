@@ -105,7 +105,9 @@ class BruteForce {
                 // With 64 samples a pixel colors are taken near its center, alpha among them.
                 const int cx = frame_.side == 1 ? x : x - i % 8 + 4, cy = frame_.side == 1 ? y : y - j % 8 + 4;
                 Rgba8 color = s.colors[0];
-                if (!s.is_flat) {
+                if (!s.is_flat && frame_.side != 1) {
+                    color = s.gradient.pixel(float(cx), float(cy));
+                } else if (!s.is_flat) {
                     const Rgba8 corners[3] = {s.colors[0], s.colors[1], s.colors[2]};
                     color = ColorPlane(s.triangle, s.triangle.doubled_area(), s.is_perspective).at(cx, cy, corners);
                 }
@@ -157,9 +159,13 @@ class RecordedSamples : public SinglePixels {
         }
         cover_masks(block, inside, surface);
     }
-    void cover_block(const MaskBlock& block, const Surface& surface) {
+    void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         check(block);
-        if (!surface.is_flat) fail("a block was filled with several colors");
+        for (unsigned k = 0; k < 64; ++k) {
+            const int x = 64 * block.x + 8 * int(k % 8), y = 64 * block.y + 8 * int(k / 8);
+            const bool is_inside = x < frame_.width() && y < frame_.height();
+            if (is_inside != ((masks >> k & 1) != 0)) fail("masks of a filled block are not those inside the image");
+        }
         const auto first = has_samples_.begin() + std::ptrdiff_t(64 * block.index);
         if (state_[block.index] == filled || std::find(first, first + 64, 1) != first + 64)
             fail("a block was filled that had samples");
@@ -296,13 +302,19 @@ class TiledFrames {
     explicit TiledFrames(Simd simd) : tiler_(simd) {}
 
     Target& target() { return target_; }
-    const CoverageTiler<Target>& tiler() const { return tiler_; }
 
     void begin(const SampleFrame& frame) {
         frame_ = frame;
         target_.begin(frame.width_px, frame.height_px, frame.first_x(), frame.first_y());
     }
     bool tile(const TilePolygon& polygon) { return tiler_.tile(target_, polygon); }
+    /// Of something with this outline, nowhere nearer than q.
+    bool is_seen(const TilePolygon& outline, float q, int grown_by) {
+        Silhouette box;
+        box.outline = outline;
+        box.nearest_q = q;
+        return tiler_.is_seen(target_, box, grown_by);
+    }
     const Image& end(Rgba8 background = {0, 0, 0, 0}) {
         tile(background_polygon(frame_, background));
         target_.resolve(image_);

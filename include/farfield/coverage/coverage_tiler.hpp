@@ -24,6 +24,7 @@
 #include "farfield/coverage/jitter.hpp"
 #include "farfield/coverage/lazy_depth.hpp"
 #include "farfield/coverage/mask_samples.hpp"
+#include "farfield/coverage/silhouette.hpp"
 #include "farfield/coverage/surface.hpp"
 #include "farfield/coverage/triage_mask.hpp"
 #include "farfield/raster/triangle_triage.hpp"
@@ -147,9 +148,9 @@ template <class Target>
 struct CoverageTiler {
     /// Tiles what is seen of a polygon; false: nothing was.
     bool (*tile)(Target&, const TilePolygon&);
-    /// Whether tiling it would change anything, were it as near as q everywhere: "stopping if a visible sample is
-    /// found" (section 5.2). A polygon grown by this many 1/256 samples.
-    bool (*is_seen)(Target&, const TilePolygon&, float q, int grown_by);
+    /// Whether anything in the box might be seen: "stopping if a visible sample is found" (section 5.2). Its silhouette
+    /// is grown by this many 1/256 samples.
+    bool (*is_seen)(Target&, const Silhouette&, int grown_by);
 
     explicit CoverageTiler(Simd simd) : tile(&one_lane::tile<Target>), is_seen(&one_lane::is_seen<Target>) {
 #if defined(__x86_64__)

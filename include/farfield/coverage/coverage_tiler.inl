@@ -14,11 +14,7 @@ class Tiler {
   public:
     /// With `grown_by`, as if grown by so many 1/256 samples.
     Tiler(Target& target, const TilePolygon& polygon, int grown_by = 0)
-        : target_(target),
-          pyramid_(target.pyramid),
-          polygon_(polygon),
-          surface_(polygon.surface),
-          nearest_q_(polygon.surface.depth.highest) {
+        : target_(target), pyramid_(target.pyramid), polygon_(polygon), surface_(polygon.surface) {
         grown_by += Target::reach_of_samples;
         // Samples i with 256 i + 128 inside [lowest, highest].
         std::int32_t low_x = polygon.x[0], high_x = low_x, low_y = polygon.y[0], high_y = low_y;
@@ -62,10 +58,9 @@ class Tiler {
         return drew;
     }
 
-    bool is_seen(float q, int grown_by) {
-        nearest_q_ = q;
+    bool is_seen(const Silhouette& box, int grown_by) {
+        box_ = &box;
         if (!choose_cells()) return false;
-        if constexpr (is_lazy) asked_q_.q.fill(q);
         prepare_edges(grown_by, true);
         for (int c = 0; c < cell_count_; ++c) {
             const Start& s = cells_[std::size_t(c)];
@@ -131,14 +126,18 @@ class Tiler {
             const auto k = unsigned((py & 7) * 8 + (px & 7));
             if ((pyramid_[parent].covered & bit_of(k)) == 0) continue;
             if constexpr (is_lazy) {
-                if (!(nearest_q_ < target_.lazy.farthest(parent).q[k])) return up;
+                const std::size_t below = pyramid_.index(up - 1, px, py);
+                if ((all_behind(parent, up, px >> 3, py >> 3) & bit_of(k)) == 0) {
+                    if (is_covered_by_one(below)) return up;
+                    continue;
+                }
             }
             return level;
         }
         const std::size_t cell = pyramid_.index(level, x, y);
         std::uint64_t hidden = pyramid_[cell].covered;
         if constexpr (is_lazy) {
-            if (hidden != 0 && !pyramid_.is_untouched(cell)) hidden &= behind_at(cell, nearest_q_);
+            if (hidden != 0 && !pyramid_.is_untouched(cell)) hidden &= all_behind(cell, level, x, y);
         }
         if ((box_in(level, x, y) & ~hidden) != 0) cells_[std::size_t(cell_count_++)] = {level, x, y};
         return level;
@@ -283,8 +282,10 @@ class Tiler {
             }
             drew = true;
             cell.vacant &= ~bit_of(k);
-            if (pyramid_.is_covered(pyramid_.index(level - 1, child_x, child_y))) cell.covered |= bit_of(k);
+            const std::size_t child = pyramid_.index(level - 1, child_x, child_y);
+            if (pyramid_.is_covered(child)) cell.covered |= bit_of(k);
             set_farthest(at, k, extremes);
+            if constexpr (is_lazy) raise_farthest(at, k, child);
         }
         pyramid_[at] = cell;
         return drew;
@@ -297,7 +298,10 @@ class Tiler {
         const int end_x = std::min((x + 1) << shift, pyramid_.columns(1));
         const int end_y = std::min((y + 1) << shift, pyramid_.rows(1));
         for (int by = y << shift; by < end_y; ++by) {
-            for (int bx = x << shift; bx < end_x; ++bx) target_.samples.cover_block(block_at(bx, by), surface_);
+            for (int bx = x << shift; bx < end_x; ++bx) {
+                const MaskBlock block = block_at(bx, by);
+                target_.samples.cover_block(block, pyramid_.inside(block.index), surface_);
+            }
         }
     }
 
@@ -485,6 +489,7 @@ class Tiler {
             if constexpr (is_lazy) {
                 float& farthest = target_.lazy.farthest(parent).q[k];
                 farthest = std::min(farthest, surface_.depth.lowest);
+                raise_farthest(parent, k, pyramid_.index(level, x, y));
             } else {
                 if (!is_covered && (mask.vacant & bit) == 0) return;
             }
@@ -536,11 +541,43 @@ class Tiler {
         }
     }
 
-    /// Subcells of which all that is as far as q or farther lies behind what is seen there.
-    std::uint64_t behind_at(std::size_t cell, float q) const {
-        SubcellDepths depths;
-        depths.q.fill(q);
-        return MaskKernel::less(depths.q.data(), target_.lazy.farthest(cell).q.data());
+    /// Subcells of a cell of which the polygon, or the box that is asked for, lies behind all that is seen there.
+    std::uint64_t all_behind(std::size_t cell, int level, int x, int y) const {
+        if constexpr (is_lazy) {
+            const int step = 1 << 3 * level;
+            const float* farthest = target_.lazy.farthest(cell).q.data();
+            if (box_ != nullptr) {
+                SubcellDepths depths;
+                depths.q.fill(box_->nearest_q);
+                return MaskKernel::less(depths.q.data(), farthest);
+            }
+            const DepthPlane& d = surface_.depth;
+            Extremes extremes;
+            extremes.find(d, x * 8 * step + target_.first_x, y * 8 * step + target_.first_y, step);
+            return MaskKernel::plane_below(extremes.high_rows, extremes.high_columns, d.lowest, d.highest, farthest);
+        } else {
+            return static_cast<void>(cell), static_cast<void>(level), static_cast<void>(x), static_cast<void>(y),
+                   all_subcells;
+        }
+    }
+
+    /// What was farthest may have been hidden since: a covered cell knows better.
+    void raise_farthest(std::size_t parent, unsigned k, std::size_t cell) {
+        if (!pyramid_.is_covered(cell) || target_.lazy.block(cell).covered_by != LazyDepth::none) return;
+        const auto& q = target_.lazy.farthest(cell).q;
+        MaskKernel::EightFloats least, next;
+        __builtin_memcpy(&least, q.data(), sizeof least);
+        for (unsigned j = 1; j < 8; ++j) {
+            __builtin_memcpy(&next, q.data() + 8 * j, sizeof next);
+            least = next < least ? next : least;
+        }
+        float& farthest = target_.lazy.farthest(parent).q[k];
+        farthest = least[0];
+        for (int i = 1; i < 8; ++i) farthest = std::min(farthest, least[i]);
+    }
+    /// Of a covered cell: then it knows nothing but that.
+    bool is_covered_by_one(std::size_t cell) const {
+        return pyramid_.is_untouched(cell) || target_.lazy.block(cell).covered_by != LazyDepth::none;
     }
 
     /// What covered a cell all at once is said to the cells below.
@@ -769,18 +806,26 @@ class Tiler {
         std::uint64_t behind = all_subcells;
         if constexpr (is_lazy) {
             if (!pyramid_.is_untouched(at)) {
-                behind = MaskKernel::less(asked_q_.q.data(), target_.lazy.farthest(at).q.data());
+                behind = all_behind(at, level, x, y);
             }
         }
         const std::uint64_t hidden = cell.covered & behind;
         const std::uint64_t possible = t.possible & box_in(level, x, y) & ~hidden;
         if (possible == 0) return false;
-        if ((possible & (t.covered | cell.covered)) != 0) return true;
+        // A subcell that is covered, but not by something nearer throughout, has to be looked into.
+        if ((possible & t.covered & ~cell.covered) != 0) return true;
+        if (level == 1 && (possible & cell.covered) != 0) return true;
         const std::uint64_t* masks = level == 1 ? pyramid_.samples_of_block(at) : nullptr;
         for (std::uint64_t left = possible; left != 0; left &= left - 1) {
             const auto k = unsigned(std::countr_zero(left));
             const int child_x = 8 * x + int(k % 8), child_y = 8 * y + int(k / 8);
             if (level > 1) {
+                if constexpr (is_lazy) {
+                    if ((cell.covered >> k & 1) != 0 &&
+                        is_covered_by_one(pyramid_.index(level - 1, child_x, child_y))) {
+                        return true;
+                    }
+                }
                 if (sees_cell(level - 1, child_x, child_y, edges_in(t, k, level))) return true;
                 continue;
             }
@@ -818,10 +863,9 @@ class Tiler {
     bool drew_ = false, is_untouched_ = false;
 
     // Lazy mode only.
-    std::uint32_t index_ = 0;  ///< of the surface
-    float nearest_q_ = 0;      ///< of the polygon
-    Extremes extremes_;        ///< in the block at work
-    SubcellDepths asked_q_;
+    std::uint32_t index_ = 0;          ///< of the surface
+    const Silhouette* box_ = nullptr;  ///< asked for
+    Extremes extremes_;                ///< in the block at work
 };
 
 template <class Target>
@@ -830,6 +874,6 @@ bool tile(Target& target, const TilePolygon& polygon) {
 }
 
 template <class Target>
-bool is_seen(Target& target, const TilePolygon& polygon, float q, int grown_by) {
-    return Tiler<Target>(target, polygon, grown_by).is_seen(q, grown_by);
+bool is_seen(Target& target, const Silhouette& box, int grown_by) {
+    return Tiler<Target>(target, box.outline, grown_by).is_seen(box, grown_by);
 }

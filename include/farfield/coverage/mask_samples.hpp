@@ -51,11 +51,11 @@ class PixelSamples {
     FARFIELD_INLINE void open_block(const MaskBlock& block) {
         if constexpr (has_blocks) filter_.open_block(block.index);
     }
-    /// All samples of a block, of which none has been seen.
-    FARFIELD_INLINE void cover_block(const MaskBlock& block, const Surface& surface) {
+    /// All samples of a block, of which none has been seen; `masks` are those inside the image.
+    FARFIELD_INLINE void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         if (!surface.is_flat) {
             open_block(block);
-            cover_masks(block, all_subcells, surface);
+            cover_masks(block, masks, surface);
         } else if constexpr (has_blocks) {
             filter_.fill_block(block.index, surface.seen_color());
         } else {
@@ -163,8 +163,8 @@ class SinglePixels {
     void begin(int width_px, int height_px) { pixels_.begin(width_px, height_px); }
 
     void open_block(const MaskBlock&) {}
-    FARFIELD_INLINE void cover_block(const MaskBlock& block, const Surface& surface) {
-        if (!surface.is_flat) return cover_masks(block, all_subcells, surface);
+    FARFIELD_INLINE void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        if (!surface.is_flat) return cover_masks(block, masks, surface);
         pixels_.fill(64 * block.x, 64 * block.y, 64, 64, surface.seen_color());
     }
     FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {

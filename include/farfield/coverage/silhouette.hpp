@@ -10,6 +10,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 
 #include "farfield/cell.hpp"
 #include "farfield/coverage/surface.hpp"
@@ -23,7 +24,9 @@ namespace farfield {
 /// eye's region, whose corners rounding may turn inwards.
 struct Silhouette {
     TilePolygon outline;
-    float nearest_q = 0;  ///< q of no point of the box is larger
+    /// q of no point of the box is larger. Rejected: bounds by the planes of its sides, for the depth of a sliver on
+    /// the screen is right only within that of its corners.
+    float nearest_q = 0;
 
     /// False where the box reaches behind the near plane or so far off the screen that it would have to be clipped.
     bool project(glm::vec3 center, glm::vec3 half, const SampleProjection& to) {

@@ -123,12 +123,11 @@ class BasicCoverageRenderer {
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
         const PolygonStream& stream = *streams_[source.id];
-        for (const Range& r : ranges) {
-            const std::uint32_t end = stream.first_record(r.first + r.count);
-            for (std::uint32_t at = stream.first_record(r.first); at < end; ++at) {
-                if (at + 2 < end) __builtin_prefetch(&stream[at + 2]);
-                draw(stream, stream[at]);
-            }
+        for (std::size_t i = 0; i < ranges.size(); ++i) {
+            if (i + 8 < ranges.size()) stream.prefetch(ranges[i + 8].first, true);
+            if (i + 4 < ranges.size()) stream.prefetch(ranges[i + 4].first, false);
+            const std::uint32_t end = stream.first_record(ranges[i].first + ranges[i].count);
+            for (std::uint32_t at = stream.first_record(ranges[i].first); at < end; ++at) draw(stream, stream[at]);
         }
     }
 
@@ -146,7 +145,7 @@ class BasicCoverageRenderer {
         if (!silhouette_.project(cell.bounds_center, cell.bounds_half, to_)) return false;
         // Contents are projected and snapped by themselves, and may lie that much outside.
         constexpr int rounding = 8;
-        return !tiler_.is_seen(target_, silhouette_.outline, silhouette_.nearest_q, rounding);
+        return !tiler_.is_seen(target_, silhouette_, rounding);
     }
 
   private:
