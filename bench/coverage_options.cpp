@@ -66,8 +66,8 @@ void add(const Run& run, const std::string& name, const std::vector<View>& views
         default_ms.push_back(pair.other_ms);
         errors.push_back(rmse(option.image(), defaults.image()));
     }
-    std::printf("| %s | %zu | %.3g | %.3g | %.3g | %.4f | %.4f |\n", name.c_str(), views.size(), median(ms),
-                median(default_ms), median(times), median(errors), *std::max_element(errors.begin(), errors.end()));
+    std::printf("| %s | %zu | %.3g | %.3g | %.3g | %.4f | %.4f |\n", name.c_str(), views.size(), middle(ms),
+                middle(default_ms), middle(times), middle(errors), *std::max_element(errors.begin(), errors.end()));
     std::fflush(stdout);
 }
 

@@ -63,9 +63,9 @@ PairTimes in_turns(const Patience& patience, Ours&& ours, Other&& other) {
     }
     std::sort(speedups.begin(), speedups.end());
     const std::size_t n = speedups.size();
-    const double middle = speedups[n / 2];
-    return {median(times) * 1e3, median(other_times) * 1e3, middle,
-            (speedups[3 * n / 4] - speedups[n / 4]) / (2 * middle)};
+    const double speedup = speedups[n / 2];
+    return {median(times) * 1e3, median(other_times) * 1e3, speedup,
+            (speedups[3 * n / 4] - speedups[n / 4]) / (2 * speedup)};
 }
 
 /// What has to be reached: a speed-up of at least that, a time of at most that part of the other's, or a figure.

@@ -42,5 +42,13 @@ struct BuildReport;
 class Image;
 struct ZBufferOptions;
 class ZBufferRenderer;
+class HierarchicalZRenderer;
+class PainterRenderer;
+struct CoverageOptions;
+template <class Traits>
+class BasicCoverageRenderer;
+struct LazyCoverage;
+struct StrictCoverage;
+class VoxelPyramid;
 
 }  // namespace farfield

@@ -12,6 +12,7 @@
 #include "farfield/cell.hpp"
 #include "farfield/fragments.hpp"
 #include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/local_view.hpp"
 #include "farfield/primitive.hpp"
@@ -94,6 +95,7 @@ struct RendererFacts {
     bool keeps_sources = false;   ///< std::uint32_t page_in(Source<P>) once a source, page_out(id) when it goes
     bool draws_faces = false;     ///< draw(std::span<const Face>)
     bool draws_splats = false;    ///< draw(std::span<const Splat>), float largest_splat_px()
+    bool draws_polygons = false;  ///< draw(std::span<const Polygon>): pieces made for this frame, local coordinates
     bool answers_hidden = false;  ///< bool hidden(const Cell&, CellId): may err only towards false
     /// bool deposits_primitives() const, asked after begin_frame: whether in this frame ranges carry their cell's law
     /// where it is known. Cells with a law come front to back, in order with the stand-ins among them.
@@ -136,6 +138,11 @@ concept DrawsSplats = requires(R& r, std::span<const Splat> splats) {
 };
 
 template <class R>
+concept DrawsPolygons = requires(R& r, std::span<const Polygon> polygons) {
+    r.draw(polygons);
+};
+
+template <class R>
 concept AnswersHidden = requires(R& r, const Cell& cell, CellId id) {
     { r.hidden(cell, id) } -> std::same_as<bool>;
 };
@@ -152,13 +159,16 @@ concept DrawsFacesIfStated = !R::facts.draws_faces || DrawsFaces<R>;
 template <class R>
 concept DrawsSplatsIfStated = !R::facts.draws_splats || DrawsSplats<R>;
 template <class R>
+concept DrawsPolygonsIfStated = !R::facts.draws_polygons || DrawsPolygons<R>;
+template <class R>
 concept AnswersHiddenIfStated = !R::facts.answers_hidden || AnswersHidden<R>;
 
 template <class R>
 concept DepositsPrimitivesIfStated = !R::facts.deposits_primitives || DepositsPrimitives<R>;
 
 template <class R, class P>
-concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && KeepsSourcesIfStated<R, P> &&
-    DrawsFacesIfStated<R> && DrawsSplatsIfStated<R> && AnswersHiddenIfStated<R> && DepositsPrimitivesIfStated<R>;
+concept Renderer =
+    StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && KeepsSourcesIfStated<R, P> && DrawsFacesIfStated<R> &&
+    DrawsSplatsIfStated<R> && DrawsPolygonsIfStated<R> && AnswersHiddenIfStated<R> && DepositsPrimitivesIfStated<R>;
 
 }  // namespace farfield

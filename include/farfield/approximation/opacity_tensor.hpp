@@ -118,6 +118,7 @@ struct OpacityTensor {
         const glm::vec3 center = center_of(s, cell), towards = view.towards_viewer(center);
         if (!(sink.splat_limit_px > 0)) {
             for (int axis = 0; axis < 3; ++axis) {
+                if (towards[axis] == 0) continue;  // edge-on
                 const Face face = crossing_face(s, cell, axis, towards[axis] > 0);
                 if (face.rgba.a != 0) sink(face);
             }

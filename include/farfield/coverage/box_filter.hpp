@@ -65,10 +65,10 @@ class BoxFilter {
     std::size_t index_of(int x, int y) const { return blocks_.index_of(x, y); }
 
     /// Before the first pixel of a block in a frame; any number of times, but not after fill_block().
-    void open_block(std::size_t block) { blocks_.open(block); }
-    void fill_block(std::size_t block, Rgba8 premultiplied) { blocks_.fill(block, premultiplied); }
+    FARFIELD_INLINE void open_block(std::size_t block) { blocks_.open(block); }
+    FARFIELD_INLINE void fill_block(std::size_t block, Rgba8 premultiplied) { blocks_.fill(block, premultiplied); }
     /// `count` samples of a pixel of an open block.
-    void add_at(std::size_t index, int count, Rgba8 premultiplied, bool first) {
+    FARFIELD_INLINE void add_at(std::size_t index, int count, Rgba8 premultiplied, bool first) {
         sums_[index] = (first ? 0 : sums_[index]) + spread(premultiplied) * std::uint64_t(count);
     }
     /// Adds to a pixel of an open block what is no sample: channels are of 0 to 255 * 64, and rounded down; all sums
@@ -78,7 +78,7 @@ class BoxFilter {
             std::uint64_t(sum.r) | std::uint64_t(sum.g) << 16 | std::uint64_t(sum.b) << 32 | std::uint64_t(sum.a) << 48;
     }
     /// All samples of some pixels of an open block.
-    void fill_pixels(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {
+    FARFIELD_INLINE void fill_pixels(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {
         detail::store_selected(&sums_[block * 64], pixels, spread(premultiplied) << 6);
     }
 

@@ -14,14 +14,6 @@
 
 namespace farfield {
 
-/// Inlined into code for another instruction set, small functions are compiled for that: a call would cost as much
-/// again, and mixing the old and the new encoding of vector instructions more.
-#if defined(__GNUC__)
-#define FARFIELD_INLINE [[gnu::always_inline]] inline
-#else
-#define FARFIELD_INLINE inline
-#endif
-
 /// A block of 8 x 8 masks of samples: its number and place in the pyramid's level 1, and its first sample, relative to
 /// the center sample.
 struct MaskBlock {

@@ -109,9 +109,17 @@ inline constexpr auto select_of_four = [] {
     }
     return table;
 }();
+/// Inlined into code for another instruction set, small functions are compiled for that. A call would mix the old and
+/// the new encoding of vector instructions: the first of the old ones waits for the upper halves of all registers.
+#if defined(__GNUC__)
+#define FARFIELD_INLINE [[gnu::always_inline]] inline
+#else
+#define FARFIELD_INLINE inline
+#endif
+
 /// Words of a block whose bits are set become `value`. Loading and storing all of four is quicker than choosing.
 template <class Word>
-void store_selected(Word* words, std::uint64_t bits, Word value) {
+FARFIELD_INLINE void store_selected(Word* words, std::uint64_t bits, Word value) {
     for (; bits != 0; bits >>= 4, words += 4) {
         const auto& select = select_of_four<Word>[bits & 15];
         Word four[4];

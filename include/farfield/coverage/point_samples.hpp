@@ -31,7 +31,7 @@ class PointSamples {
     std::size_t block_of(int x, int y) const { return blocks_.block_of(x, y); }
 
     /// Some pixels of a block that has not been filled.
-    void add(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {
+    FARFIELD_INLINE void add(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {
         blocks_.open(block);
         detail::store_selected(&pixels_[block * 64], pixels, std::bit_cast<std::uint32_t>(premultiplied));
     }

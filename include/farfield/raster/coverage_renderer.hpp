@@ -62,6 +62,7 @@ class BasicCoverageRenderer {
         .keeps_sources = true,
         .draws_faces = is_lazy,
         .draws_splats = is_lazy,
+        .draws_polygons = true,
         .answers_hidden = true,
     };
 
@@ -129,6 +130,12 @@ class BasicCoverageRenderer {
             const std::uint32_t end = stream.first_record(ranges[i].first + ranges[i].count);
             for (std::uint32_t at = stream.first_record(ranges[i].first); at < end; ++at) draw(stream, stream[at]);
         }
+    }
+
+    void draw(std::span<const Polygon> polygons) {
+        scratch_.clear();
+        for (const Polygon& polygon : polygons) scratch_.add(polygon);
+        for (std::uint32_t at = 0; at < scratch_.size(); ++at) draw(scratch_, scratch_[at]);
     }
 
     void draw(std::span<const Face> faces) requires(is_lazy) {
@@ -402,6 +409,7 @@ class BasicCoverageRenderer {
     TilePolygon polygon_;  ///< the one at work
     Silhouette silhouette_;
     std::vector<std::unique_ptr<PolygonStream>> streams_;
+    PolygonStream scratch_;  ///< polygons made for this frame
     Image image_;
 };
 

@@ -29,6 +29,7 @@ static_assert(sizeof(PolygonRecord) == 64);
 /// A source as records. Polygons of more corners come in parts, and so do those whose colors have no one gradient.
 class PolygonStream {
   public:
+    PolygonStream() = default;
     template <PrimitiveWithPolygons P>
     explicit PolygonStream(const Source<P>& source) {
         bool one_each = true;
@@ -36,7 +37,7 @@ class PolygonStream {
         records_.reserve(source.item_count);
         for (std::uint32_t at = 0; at < source.item_count; ++at) {
             first_record_.push_back(std::uint32_t(records_.size()));
-            source.polygons(at, [&](const Polygon& polygon) { add(polygon); });
+            source.polygons(at, [&](const Polygon& polygon) { append(polygon); });
             one_each = one_each && records_.size() == at + 1;
         }
         if (one_each) {
@@ -45,6 +46,15 @@ class PolygonStream {
             first_record_.push_back(std::uint32_t(records_.size()));
         }
     }
+
+    /// Of a stream that is filled by hand, polygon by polygon, every frame anew. Keeps its memory.
+    void clear() {
+        records_.clear();
+        colors_.clear();
+    }
+    /// Three vertices or more.
+    void add(const Polygon& polygon) { append(polygon); }
+    std::uint32_t size() const { return std::uint32_t(records_.size()); }
 
     const PolygonRecord& operator[](std::uint32_t record) const { return records_[record]; }
     /// Positions to records.
@@ -65,7 +75,7 @@ class PolygonStream {
     const Rgba8* colors(const PolygonRecord& record) const { return &colors_[record.colors]; }
 
   private:
-    void add(const Polygon& polygon) {
+    void append(const Polygon& polygon) {
         const std::size_t corners = polygon.vertices.size();
         bool is_flat = true, is_solid = polygon.colors[0].a == 255;
         if (polygon.colors.size() >= corners) {

@@ -1,0 +1,275 @@
+// Bodies that move through one another, each a hierarchy of its own, merged in one strict front-to-back walk: "if this
+// cube does intersect other leaf cubes, we clip their polygons to the frontmost cube" (Greene 1996, section 6.2).
+//
+// Space is divided by planes, and what lies on the viewer's side of a plane comes first. A region that one body alone
+// reaches into is in order, for its hierarchy is. Any other is divided on:
+//
+//     a face of a body's box has a body beyond it and none across it   -> there: nothing is cut
+//     otherwise                                                        -> where the largest body is divided next
+//
+// so that leaves come to lie between leaves, and a polygon between what is before and behind it. It is the merging of
+// BSP trees (Naylor, Amanatides and Thibault 1990) in place of the paper's octrees, and lazy: planes go down with a
+// subtree, and only leaves that they cross are cut, into polygons that live until they are drawn. Subtrees that meet
+// nothing are drawn as a Viewer draws them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "farfield/body_frame.hpp"
+#include "farfield/body_walker.hpp"
+#include "farfield/fingerprint.hpp"
+#include "farfield/instance.hpp"
+#include "farfield/region_division.hpp"
+#include "farfield/source_table.hpp"
+#include "farfield/spatial_hierarchy.hpp"
+
+namespace farfield {
+
+template <class H>
+concept CutForStrictOrder = H::assignment == clipped&& H::ordering == Ordering::primitives;
+template <class P>
+concept HasNoInstances = !PrimitiveWithInstance<P>;
+template <class R>
+concept DrawsPolygonsOfFrames = R::facts.draws_polygons&& DrawsPolygons<R>;
+
+template <class H, class P, class R>
+concept MergeableWith = BuildableFrom<H, P> && DrawableWith<H, P, R> && CutForStrictOrder<H> && HasNoInstances<P> &&
+    DrawsPolygonsOfFrames<R>;
+
+/// Borrows hierarchies, primitives and renderer, which outlive it. Bodies may share a hierarchy. Polygons of all bodies
+/// come in strict order, front to back or as the renderer's facts say; those in one plane, and nearer to each other
+/// than single precision tells, in any. What bodies have in common costs a frame time as building a BSP of it does;
+/// what meets nothing costs what it costs a Viewer. Frames do not allocate once buffers have grown to what the scene
+/// needs. Not to be used by two threads at once.
+template <class H, class P, class R>
+requires MergeableWith<H, P, R>
+class MergedViewer {
+  public:
+    using Body = Instance<H, P>;
+
+    /// Throws std::invalid_argument naming the first body without a hierarchy, whose primitives are not those that its
+    /// hierarchy was built from, or whose hierarchy does not keep strict order.
+    MergedViewer(std::span<const Body> bodies, R& renderer)
+        : bodies_(bodies.begin(), bodies.end()), renderer_(renderer), sources_(renderer), walker_(renderer, stats_) {
+        for (std::size_t b = 0; b < bodies_.size(); ++b) add(b);
+        for (const Body& b : bodies_) {
+            const std::uint32_t id = sources_.find(*b.hierarchy, b.primitives).id;
+            walker_.add(*b.hierarchy, detail::source_of(*b.hierarchy, b.primitives, id));
+        }
+    }
+    MergedViewer(const MergedViewer&) = delete;
+    MergedViewer& operator=(const MergedViewer&) = delete;
+
+    std::span<const Body> bodies() const { return bodies_; }
+
+    /// Where a body is from the next frame on. Throws std::invalid_argument if there is no such body.
+    void place(std::size_t body, const Similarity& to_world) {
+        if (body >= bodies_.size()) {
+            throw std::invalid_argument("farfield::MergedViewer: there is no body " + std::to_string(body) + " of " +
+                                        std::to_string(bodies_.size()));
+        }
+        bodies_[body].to_world = to_world;
+    }
+
+    /// Draws into the renderer. Throws only what the renderer's begin_frame throws, and for memory.
+    MergedFrameStats frame(const View& view) {
+        stats_ = {};
+        walker_.begin_frame();
+        const LocalView outer = outermost(view);
+        renderer_.begin_frame(outer);
+        met_.clear();
+        for (std::uint32_t b = 0; b < bodies_.size(); ++b) {
+            const H& h = *bodies_[b].hierarchy;
+            walker_.add_view(outer.inside(bodies_[b].to_world, origin(), h.origin()));
+            if (h.item_count() != 0) met_.push_back(walker_.whole(b));
+        }
+        push(met_, nullptr);
+        while (!regions_.empty()) draw_region();
+        walker_.end_frame();
+        stats_.touched_bytes += stats_.cells_visited * sizeof(Node);
+        renderer_.end_frame();
+        return stats_;
+    }
+
+  private:
+    using Part = detail::BodyPart;
+
+    void add(std::size_t b) {
+        const std::string name = "farfield::MergedViewer: body " + std::to_string(b);
+        const Body& body = bodies_[b];
+        if (body.hierarchy == nullptr) throw std::invalid_argument(name + " has no hierarchy");
+        if (body.primitives.size() != body.hierarchy->primitive_count()) {
+            throw std::invalid_argument(name + " was built from " + std::to_string(body.hierarchy->primitive_count()) +
+                                        " primitives and is given " + std::to_string(body.primitives.size()));
+        }
+        if (!body.hierarchy->keeps_strict_order()) {
+            throw std::invalid_argument(name + " does not keep its polygons in strict order in " +
+                                        std::to_string(body.hierarchy->report().cells_out_of_order) +
+                                        " cells (BuildReport::cells_out_of_order)");
+        }
+        if (body.hierarchy->is_from_file() &&
+            detail::fingerprint_of(body.primitives) != body.hierarchy->fingerprint()) {
+            throw std::invalid_argument(name + " was built from other primitives, or in another order");
+        }
+        sources_.add_all(*body.hierarchy, body.primitives);
+    }
+
+    glm::dvec3 origin() const { return bodies_.empty() ? glm::dvec3(0) : bodies_[0].hierarchy->origin(); }
+
+    LocalView outermost(const View& view) const {
+        BoxD whole = BoxD::empty();
+        for (const Body& body : bodies_) whole.add(body.bounds());
+        const glm::vec3 size = whole.is_empty() ? glm::vec3(0) : glm::vec3(whole.size());
+        return LocalView(view, origin(), whole.is_empty() ? 1.0f : std::sqrt(glm::dot(size, size)));
+    }
+
+    // --- regions of more than one body
+
+    /// The last one waiting is next; its parts are the last ones of `parts_`.
+    struct Region {
+        std::size_t first_part, clips;  ///< of the stack of planes so many are its own, or those of what comes later
+    };
+
+    void push(std::span<const Part> parts, const Part* own) {
+        if (parts.empty() && own == nullptr) return;
+        regions_.push_back({parts_.size(), walker_.clips.size()});
+        parts_.insert(parts_.end(), parts.begin(), parts.end());
+        if (own != nullptr) parts_.push_back(*own);
+    }
+
+    void draw_region() {
+        const Region region = regions_.back();
+        regions_.pop_back();
+        walker_.clips.shrink(region.clips);
+        met_.assign(parts_.begin() + std::ptrdiff_t(region.first_part), parts_.end());
+        parts_.resize(region.first_part);
+        if (met_.size() > 1) {
+            std::size_t left = 0;
+            for (std::size_t i = 0; i < met_.size(); ++i) {
+                if (met_[i].is_asked_for || walker_.may_be_seen(met_[i])) met_[left++] = met_[i];
+            }
+            met_.resize(left);
+        }
+        if (met_.empty()) return;
+        if (met_.size() == 1) return walker_.draw(met_[0]);
+        ++stats_.regions;
+        if (const auto face = detail::separating_face(met_, walker_.frames())) {
+            divide_at_face(*face);
+        } else {
+            divide_largest();
+        }
+    }
+
+    /// Whether the side that a plane's normal points to is drawn first.
+    bool front_is_first(std::uint32_t body, const PlaneInCell& plane) const {
+        return (plane.height(walker_.frame(body).view().viewpoint()) > 0) != (R::facts.order == Order::back_to_front);
+    }
+    static void ask_again(std::span<Part> parts) {
+        for (Part& part : parts) part.is_asked_for = false;
+    }
+
+    void divide_at_face(const detail::SeparatingFace& face) {
+        const Part part = met_[face.part];
+        const PlaneInCell plane = detail::face_of_box(part.box, face.face, part.cell);
+        met_.erase(met_.begin() + std::ptrdiff_t(face.part));
+        detail::SidesOfPlane& sides = sides_[0];
+        detail::divide(met_, walker_.frames(), part.body, plane, walker_.clips, sides);
+        sides.behind.push_back(part);
+        const bool front_first = front_is_first(part.body, plane);
+        std::vector<Part>& last = front_first ? sides.behind : sides.in_front;
+        ask_again(last);
+        push(last, nullptr);
+        push(front_first ? sides.in_front : sides.behind, nullptr);
+    }
+
+    void divide_largest() {
+        const auto size = [&](const Part& part) {
+            return glm::length(part.box.size()) * walker_.frame(part.body).view().scale;
+        };
+        const auto largest =
+            std::max_element(met_.begin(), met_.end(), [&](const Part& a, const Part& b) { return size(a) < size(b); });
+        own_ = *largest;
+        met_.erase(largest);
+        const H& h = *bodies_[own_.body].hierarchy;
+        if (h.nodes()[own_.node].child_mask != 0) {
+            divide(h, h.partition_policy().cuts(own_.cell, h.data_of(own_.node)), 0, Sides{}, met_);
+            return;
+        }
+        // Any plane that its polygons lie in tells them from what is before and behind them.
+        const PlaneInCell plane =
+            detail::plane_of_polygons(h.fragments(), h.nodes()[own_.node].first_item, own_.end_item, own_.cell);
+        detail::divide(met_, walker_.frames(), own_.body, plane, walker_.clips, sides_[0]);
+        const bool front_first = front_is_first(own_.body, plane);
+        std::vector<Part>& last = front_first ? sides_[0].behind : sides_[0].in_front;
+        ask_again(last);
+        push(last, nullptr);
+        push({}, &own_);
+        push(front_first ? sides_[0].in_front : sides_[0].behind, nullptr);
+    }
+
+    /// Past cuts [plane, count): the last ones to be drawn first, for regions are a stack.
+    void divide(const H& h, const Cuts& cuts, unsigned plane, Sides sides, std::span<const Part> others) {
+        if (plane == sides.size() || plane >= cuts.count) {
+            push_child(h, cuts, sides, others);
+            return;
+        }
+        const PlaneInCell in_cell(cuts.planes[plane], own_.cell);
+        detail::SidesOfPlane& their = sides_[plane];
+        detail::divide(others, walker_.frames(), own_.body, in_cell, walker_.clips, their);
+        const bool front_first = front_is_first(own_.body, in_cell);
+        std::vector<Part>& last = front_first ? their.behind : their.in_front;
+        ask_again(last);
+        sides[plane] = front_first ? Side::behind : Side::in_front;
+        divide(h, cuts, plane + 1, sides, last);
+        sides[plane] = Side::on;
+        divide(h, cuts, plane + 1, sides, {});
+        sides[plane] = front_first ? Side::in_front : Side::behind;
+        divide(h, cuts, plane + 1, sides, front_first ? their.in_front : their.behind);
+    }
+
+    void push_child(const H& h, const Cuts& cuts, const Sides& sides, std::span<const Part> others) {
+        const typename H::node_data data = h.data_of(own_.node);
+        const unsigned child = h.partition_policy().child_at(data, sides);
+        const auto used = sides.begin() + cuts.count;
+        if (std::find(sides.begin(), used, Side::on) != used) {
+            // Partitions may put what lies on a plane to one of its sides.
+            for (const Side instead : {Side::behind, Side::in_front}) {
+                Sides other = sides;
+                std::replace(other.begin(), other.end(), Side::on, instead);
+                if (h.partition_policy().child_at(data, other) == child) return;
+            }
+        }
+        if ((h.nodes()[own_.node].child_mask >> child & 1) == 0) return push(others, nullptr);
+        const Part part = walker_.child_of(own_, child);
+        push(others, &part);
+    }
+
+    std::vector<Body> bodies_;
+    R& renderer_;
+    MergedFrameStats stats_;
+    detail::SourceTable<R> sources_;
+    detail::BodyWalker<H, P, R> walker_;
+    std::vector<Region> regions_;
+    std::vector<Part> parts_;
+    std::vector<Part> met_;  ///< of the region at work
+    Part own_;               ///< the one that divides it
+    std::array<detail::SidesOfPlane, 3> sides_;
+};
+
+/// Prefer this to naming the type: where something is missing, compilers say what.
+template <class H, class P, class R>
+requires MergeableWith<H, P, R>
+auto make_merged_viewer(const std::vector<Instance<H, P>>& bodies, R& renderer) {
+    return MergedViewer<H, P, R>(std::span<const Instance<H, P>>(bodies), renderer);
+}
+
+}  // namespace farfield
