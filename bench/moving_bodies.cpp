@@ -43,14 +43,18 @@ class Hall {
                 const Rgba8 color = body.triangles[0].rgba[0];
                 body.triangles.clear();
                 for (const auto& [a, b, c] : scenes::icosphere(4)) {
-                    const auto byte = [&](std::uint8_t x) { return std::uint8_t(float(x) * (0.7f + 0.3f * a.y)); };
+                    const float brightness = 0.7f + 0.3f * a.y;
+                    const auto byte = [&](std::uint8_t x) { return std::uint8_t(float(x) * brightness); };
                     const Rgba8 lit{byte(color.r), byte(color.g), byte(color.b), 255};
                     body.triangles.push_back({{a * 0.35f, b * 0.35f, c * 0.35f}, {lit, lit, lit}});
                 }
             }
         }
         hierarchies_.push_back(H::build(std::span<const P>(hall_.building)));
-        for (const scenes::Body& b : hall_.bodies) hierarchies_.push_back(H::build(std::span<const P>(b.triangles)));
+        for (const scenes::Body& b : hall_.bodies) {
+            // Of one BSP of a convex body nearly every plane leaves the rest on one side: cubes tell better what meets.
+            hierarchies_.push_back(H::build(std::span<const P>(b.triangles), {.largest_leaf = 32}));
+        }
     }
 
     View view() const {

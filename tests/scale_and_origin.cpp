@@ -96,8 +96,6 @@ TEST_CASE("a scene scaled by anything, or moved, gives the same cut up to ties")
         glm::dvec3 offset;
     };
     for (const Variant& variant : all_variants()) {
-        // One plane chosen otherwise, where two cost the same, and all below it is cut otherwise.
-        const double ties = variant.is_clipped ? 0.15 : 0.03;
         const auto h = variant.build(triangles);
         for (const Place& place : {Place{1e-4, {}}, Place{1e4, {}}, Place{1, {100, -50, 30}},
                                    Place{1e4, {3e5, 0, -7e5}}, Place{1e-4, {2e-3, 1e-2, 0}}}) {
@@ -105,16 +103,32 @@ TEST_CASE("a scene scaled by anything, or moved, gives the same cut up to ties")
             const auto other = variant.build(other_triangles);
             INFO(variant.name << ", scaled by " << place.scale << " and moved by " << place.offset.x);
             CHECK(about(other->nodes().size(), h->nodes().size()) < 0.02);
+            FrameStats all_here, all_there;
             for (const float tolerance : {0.0f, 1.0f, 4.0f}) {
                 const auto here = views_at(1, {}, tolerance), there = views_at(place.scale, place.offset, tolerance);
                 for (std::size_t i = 0; i < here.size(); ++i) {
                     INFO("tolerance " << tolerance << ", view " << i);
                     ZBufferRenderer a, b;
                     const FrameStats x = h->viewer(a)->frame(here[i]), y = other->viewer(b)->frame(there[i]);
-                    CHECK(about(y.primitives, x.primitives) < ties);
-                    CHECK(about(y.approximations, x.approximations) < ties);
-                    CHECK(about(y.cells_visited, x.cells_visited) < ties);
+                    all_here.primitives += x.primitives;
+                    all_there.primitives += y.primitives;
+                    all_here.approximations += x.approximations;
+                    all_there.approximations += y.approximations;
+                    all_here.cells_visited += x.cells_visited;
+                    all_there.cells_visited += y.cells_visited;
+                    if (variant.is_clipped) continue;
+                    CHECK(about(y.primitives, x.primitives) < 0.03);
+                    CHECK(about(y.approximations, x.approximations) < 0.03);
+                    CHECK(about(y.cells_visited, x.cells_visited) < 0.03);
                 }
+            }
+            // Planes that cost the same are ties as well. Where another one is chosen all below it is cut otherwise, so
+            // that which cells a view meets is chance; how many there are altogether is not.
+            CHECK(about(all_there.primitives, all_here.primitives) < (variant.is_clipped ? 0.05 : 0.03));
+            CHECK(about(all_there.cells_visited, all_here.cells_visited) < (variant.is_clipped ? 0.1 : 0.03));
+            if (variant.is_clipped) {  // 15 %, or, of few, five
+                const double here = double(all_here.approximations), there = double(all_there.approximations);
+                CHECK(std::abs(there - here) <= std::max(0.15 * here, 5.0));
             }
         }
     }

@@ -90,10 +90,15 @@ class BodyWalker {
         const H& h = hierarchy(part.body);
         const Node& node = h.nodes()[part.node];
         if (part.clips.count != 0) {
-            if (part.box.is_empty() || !clips.narrow(part.clips, cell.bounds())) return false;
-            const bool is_left =
-                node.child_mask != 0 ? clips.shrink(part.box, part.clips) : shrink_to_polygons(part, node.first_item);
-            if (!is_left) return false;
+            if (part.box.is_empty()) return false;
+            const bool is_leaf = node.child_mask == 0;
+            // A leaf's polygons may fill little of its cell.
+            if (!clips.narrow(part.clips, is_leaf ? bounds_of(h, node.first_item, part.end_item) : cell.bounds())) {
+                return false;
+            }
+            if (!(is_leaf ? shrink_to_polygons(part, node.first_item) : clips.shrink(part.box, part.clips))) {
+                return false;
+            }
         }
         if constexpr (R::facts.answers_hidden) {
             if (part.end_item - node.first_item > asking_pays_above) {
@@ -139,6 +144,14 @@ class BodyWalker {
         const H* hierarchy;
         Source<P> source;
     };
+
+    static Box bounds_of(const H& h, std::uint32_t first, std::uint32_t end) {
+        Box box = Box::empty();
+        for (std::uint32_t at = first; at < end; ++at) {
+            for (const glm::vec3& v : h.fragments()[at].vertices) box.add(v);
+        }
+        return box;
+    }
 
     bool shrink_to_polygons(BodyPart& part, std::uint32_t first) {
         Box box = Box::empty();

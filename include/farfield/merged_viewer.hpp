@@ -5,7 +5,7 @@
 // reaches into is in order, for its hierarchy is. Any other is divided on:
 //
 //     a face of a body's box has a body beyond it and none across it   -> there: nothing is cut
-//     otherwise                                                        -> where the largest body is divided next
+//     otherwise                                                        -> where the largest part is divided next
 //
 // so that leaves come to lie between leaves, and a polygon between what is before and behind it. It is the merging of
 // BSP trees (Naylor, Amanatides and Thibault 1990) in place of the paper's octrees, and lazy: planes go down with a
@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -45,11 +46,14 @@ template <class H, class P, class R>
 concept MergeableWith = BuildableFrom<H, P> && DrawableWith<H, P, R> && CutForStrictOrder<H> && HasNoInstances<P> &&
     DrawsPolygonsOfFrames<R>;
 
-/// Borrows hierarchies, primitives and renderer, which outlive it. Bodies may share a hierarchy. Polygons of all bodies
-/// come in strict order, front to back or as the renderer's facts say; those in one plane, and nearer to each other
-/// than single precision tells, in any. What bodies have in common costs a frame time as building a BSP of it does;
-/// what meets nothing costs what it costs a Viewer. Frames do not allocate once buffers have grown to what the scene
-/// needs. Not to be used by two threads at once.
+/// Borrows hierarchies, primitives and renderer, which outlive it; the user's own partitions that cut by several planes
+/// at once put what lies on one of them to a side of it, or to a child of its own. Bodies may share a hierarchy.
+/// Polygons of all bodies come in strict order, front to back or as the renderer's facts say; those in one plane, and
+/// nearer to each other than single precision tells, in any. What bodies have in common costs a frame time as building
+/// a BSP of it does; what meets nothing costs what it costs a Viewer. A moving body of many polygons wants leaves as
+/// small as those of Nested<Octree, PolygonBsp>{.largest_leaf = 32}: in one BSP of a convex body nearly every plane
+/// leaves all the rest on one side. Frames do not allocate once buffers have grown to what the scene needs. Not to be
+/// used by two threads at once.
 template <class H, class P, class R>
 requires MergeableWith<H, P, R>
 class MergedViewer {

@@ -257,7 +257,8 @@ class Tiler {
         Triage t;
         if (!triage(level, in, t)) return false;
         const std::size_t at = pyramid_.index(level, x, y);
-        TriageMask cell = pyramid_[at];
+        // By reference: a copy of both words at once would wait for the two stores before it.
+        TriageMask& cell = pyramid_[at];
         t.possible &= box_in(level, x, y);
         Extremes extremes;
         const std::uint64_t hidden = cell.covered & behind(t.possible & ~cell.vacant, at, level, x, y, extremes);
@@ -287,7 +288,6 @@ class Tiler {
             set_farthest(at, k, extremes);
             if constexpr (is_lazy) raise_farthest(at, k, child);
         }
-        pyramid_[at] = cell;
         return drew;
     }
 
@@ -315,13 +315,13 @@ class Tiler {
             if (is_untouched_) target_.lazy.open(block);
         }
         t.possible &= box_in(1, x, y);
-        behind_ = behind(t.possible & ~cell_.vacant, block, 1, x, y, extremes_);
-        const std::uint64_t whole = surface_.is_solid ? cell_.vacant & t.covered : no_subcells;
-        const std::uint64_t active = t.possible & ~(cell_.covered & behind_) & ~whole;
+        behind_ = behind(t.possible & ~cell_->vacant, block, 1, x, y, extremes_);
+        const std::uint64_t whole = surface_.is_solid ? cell_->vacant & t.covered : no_subcells;
+        const std::uint64_t active = t.possible & ~(cell_->covered & behind_) & ~whole;
         if ((whole | active) == 0) return false;
         if (is_untouched_) {
             // A block that is all of the image has no parent that would know its depth.
-            if (whole == cell_.vacant && (!is_lazy || pyramid_.top_level() > 1)) {
+            if (whole == cell_->vacant && (!is_lazy || pyramid_.top_level() > 1)) {
                 cover_cell(1, x, y);
                 pyramid_[block] = {all_subcells, no_subcells};
                 return true;
@@ -331,13 +331,12 @@ class Tiler {
         if constexpr (is_lazy) target_.lazy.reserve_fragments(65);
         if (whole != 0) cover_masks(whole);
         if (active != 0) tile_masks(t, active);
-        pyramid_[block] = cell_;
         return drew_;
     }
 
     void open_block(int x, int y) {
         block_ = block_at(x, y);
-        cell_ = pyramid_[block_.index];
+        cell_ = &pyramid_[block_.index];
         masks_ = pyramid_.samples_of_block(block_.index);
         is_untouched_ = pyramid_.is_untouched(block_.index);
         drew_ = false;
@@ -366,7 +365,7 @@ class Tiler {
             }
             target_.lazy.reserve_fragments(65);
         }
-        active &= ~(cell_.covered & behind_);
+        active &= ~(cell_->covered & behind_);
         if (active == 0) return false;
         if (is_untouched_) target_.samples.open_block(block_);
         target_.work.tiles_masks(x, y, active, MaskKernel::count(active));
@@ -385,14 +384,13 @@ class Tiler {
             }
             if (inside != 0) tile_mask(k, inside);
         }
-        pyramid_[block_.index] = cell_;
         return drew_;
     }
 
     void cover_masks(std::uint64_t whole) {
         target_.samples.cover_masks(block_, whole, surface_);
-        cell_.covered |= whole;
-        cell_.vacant &= ~whole;
+        cell_->covered |= whole;
+        cell_->vacant &= ~whole;
         drew_ = true;
         if constexpr (is_lazy) {
             target_.lazy.add_fragment(target_.lazy.block(block_.index).whole_masks, whole, index_);
@@ -436,10 +434,10 @@ class Tiler {
     /// "W = P & ~C; C' = C | P" (section 3).
     FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
         if (!surface_.is_solid && !surface_.is_deposit) inside &= hashed_samples(k);
-        const bool is_vacant = (cell_.vacant >> k & 1) != 0;
+        const bool is_vacant = (cell_->vacant >> k & 1) != 0;
         std::uint64_t covered = is_vacant ? samples_outside(k) : masks_[k];
         if constexpr (is_lazy) {
-            if ((cell_.covered >> k & 1) != 0) covered = all_subcells;
+            if ((cell_->covered >> k & 1) != 0) covered = all_subcells;
         }
         if constexpr (is_lazy) {
             if (inside == 0) return;
@@ -456,8 +454,8 @@ class Tiler {
         if (seen == 0) return;
         drew_ = true;
         masks_[k] = covered | seen;
-        cell_.vacant &= ~bit_of(k);
-        if (masks_[k] == all_subcells) cell_.covered |= bit_of(k);
+        cell_->vacant &= ~bit_of(k);
+        if (masks_[k] == all_subcells) cell_->covered |= bit_of(k);
         target_.samples.add(block_, k, seen, MaskKernel::count(seen), surface_, is_vacant);
         if constexpr (is_lazy) {
             std::uint32_t& history = target_.lazy.history(64 * block_.index + k);
@@ -624,7 +622,7 @@ class Tiler {
         if (seen == 0) return;
         drew_ = true;
         masks_[k] = covered | seen;
-        if (masks_[k] == all_subcells) cell_.covered |= bit_of(k);
+        if (masks_[k] == all_subcells) cell_->covered |= bit_of(k);
         lazy.farthest(block_.index).q[k] = least_of(deep, masks_[k] & ~samples_outside(k));
     }
 
@@ -756,7 +754,7 @@ class Tiler {
         const std::size_t at = 64 * block_.index + k;
         const std::uint64_t outside = samples_outside(k);
         if ((inside & ~outside) == 0) return;
-        const bool is_vacant = (cell_.vacant >> k & 1) != 0;
+        const bool is_vacant = (cell_->vacant >> k & 1) != 0;
         const bool is_deep = !is_vacant && (lazy.block(block_.index).deep >> k & 1) != 0;
         const bool has_geometry = is_deep || (!is_vacant && (covered & ~outside) != 0);
         if (has_geometry && !is_deep) make_deep(k, covered);
@@ -774,7 +772,7 @@ class Tiler {
         drew_ = true;
         if (is_vacant) {
             masks_[k] = outside;
-            cell_.vacant &= ~bit_of(k);
+            cell_->vacant &= ~bit_of(k);
             lazy.history(at) = LazyDepth::none;
         }
         const auto let_through = target_.samples.deposit(block_, k, inside, seen, surface_, is_vacant);
@@ -787,7 +785,7 @@ class Tiler {
         // What the deposits have closed is covered: by nothing more, at their depth.
         if (has_geometry) return tile_deep_mask(k, ~covered, covered);
         masks_[k] = all_subcells;
-        cell_.covered |= bit_of(k);
+        cell_->covered |= bit_of(k);
         lazy.add_fragment(lazy.history(at), ~covered, index_);
         set_farthest(block_.index, k, extremes_);
     }
@@ -856,7 +854,7 @@ class Tiler {
     alignas(64) std::int32_t values_[most_edges][64];  ///< a i + b j
 
     // The block at work.
-    TriageMask cell_;
+    TriageMask* cell_ = nullptr;
     MaskBlock block_;
     std::uint64_t* masks_ = nullptr;
     std::uint64_t behind_ = all_subcells;
