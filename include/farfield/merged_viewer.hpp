@@ -4,8 +4,8 @@
 // Space is divided by planes, and what lies on the viewer's side of a plane comes first. A region that one body alone
 // reaches into is in order, for its hierarchy is. Any other is divided on:
 //
-//     a face of a body's box has a body beyond it and none across it   -> there: nothing is cut
-//     otherwise                                                        -> where the largest part is divided next
+//     a face of a body's box has others beyond it and none (of many, few) across it -> there
+//     otherwise                                                                     -> where the largest part goes on
 //
 // so that leaves come to lie between leaves, and a polygon between what is before and behind it. It is the merging of
 // BSP trees (Naylor, Amanatides and Thibault 1990) in place of the paper's octrees, and lazy: planes go down with a
