@@ -6,8 +6,14 @@
 
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/exact.hpp"
 #include "farfield/cost/triangle_count.hpp"
+#include "farfield/instance.hpp"
+#include "farfield/merged_viewer.hpp"
+#include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/partition/polygon_bsp.hpp"
+#include "farfield/raster/coverage_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
@@ -155,4 +161,26 @@ TEST_CASE("replayed stand-ins do not allocate either") {
     }();
     CHECK(before == of_path);
     CHECK(renderer.faces > 1000);
+}
+
+TEST_CASE("frames of masks do not allocate, those of moving bodies neither") {
+    using Bsp = SpatialHierarchy<Nested<Octree, PolygonBsp>, Exact, TriangleCount>;
+    const Triangles a = random_triangles(300, 1, 0.5f), b = sphere({}, 0.8f, 12, {200, 0, 0, 255});
+    const Bsp ha = Bsp::build<Triangle>(a), hb = Bsp::build<Triangle>(b, {.largest_leaf = 32});
+    std::vector<Instance<Bsp, Triangle>> bodies{{&ha, a, {}}, {&hb, b, {}}, {&hb, b, {}}};
+    bodies[2].to_world.translation = {0.5, 0.1, 0.3};
+    StrictCoverageRenderer strict;
+    auto merged = make_merged_viewer(bodies, strict);
+    CoverageRenderer lazy;
+    auto viewer = make_viewer(ha, a, lazy);
+    const View view = looking({3, 1, 2});
+    std::size_t pieces = 0, during = 0;
+    for (int round = 0; round < 3; ++round) {
+        const std::size_t before = allocations;
+        pieces = merged.frame(view).pieces;
+        viewer.frame(view);
+        during = allocations - before;
+    }
+    CHECK(pieces > 10);
+    CHECK(during == 0);
 }

@@ -15,7 +15,7 @@
 #include "scenes/building.hpp"
 #include "scenes/framing.hpp"
 #include "scenes/scene.hpp"
-#include "support/subject.hpp"
+#include "subject.hpp"
 
 namespace farfield::bench {
 

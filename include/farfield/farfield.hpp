@@ -20,6 +20,7 @@
 #include "farfield/measure/image_error.hpp"
 #include "farfield/measure/projected_rect.hpp"
 #include "farfield/measure/ssim.hpp"
+#include "farfield/merged_viewer.hpp"
 #include "farfield/parallel.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"

@@ -394,9 +394,7 @@ class Tiler {
         drew_ = true;
         if constexpr (is_lazy) {
             target_.lazy.add_fragment(target_.lazy.block(block_.index).whole_masks, whole, index_);
-            for (std::uint64_t left = whole; left != 0; left &= left - 1) {
-                set_farthest(block_.index, unsigned(std::countr_zero(left)), extremes_);
-            }
+            set_farthest_of(block_.index, whole, extremes_);
         }
     }
 
@@ -529,6 +527,24 @@ class Tiler {
         } else {
             return static_cast<void>(subcells), static_cast<void>(cell), static_cast<void>(level), static_cast<void>(x),
                    static_cast<void>(y), static_cast<void>(extremes), all_subcells;
+        }
+    }
+    /// Of subcells that were vacant.
+    void set_farthest_of(std::size_t cell, std::uint64_t subcells, const Extremes& extremes) {
+        using EightFloats = MaskKernel::EightFloats;
+        EightFloats columns, farthest;
+        __builtin_memcpy(&columns, extremes.low_columns, sizeof columns);
+        float* of_row = target_.lazy.farthest(cell).q.data();
+        for (unsigned j = 0; j < 8; ++j, subcells >>= 8, of_row += 8) {
+            if ((subcells & 255) == 0) continue;
+            EightFloats q = extremes.low_rows[j] + columns;
+            q = q < surface_.depth.lowest ? EightFloats{} + surface_.depth.lowest : q;
+            q = q > surface_.depth.highest ? EightFloats{} + surface_.depth.highest : q;
+            MaskKernel::EightInts is_set;
+            MaskKernel::lanes_of(unsigned(subcells & 255), is_set);
+            __builtin_memcpy(&farthest, of_row, sizeof farthest);
+            farthest = is_set ? q : farthest;
+            __builtin_memcpy(of_row, &farthest, sizeof farthest);
         }
     }
     void set_farthest(std::size_t cell, unsigned k, const Extremes& extremes) {

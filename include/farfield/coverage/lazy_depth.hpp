@@ -82,7 +82,8 @@ class LazyDepth {
 
     /// Room for so many fragments more: add_fragment() may then be called as often.
     void reserve_fragments(std::uint32_t count) {
-        if (fragment_count_ + count > fragments_.size()) fragments_.resize(2 * fragments_.size() + count);
+        if (fragment_count_ + count > fragments_.size()) [[unlikely]]
+            grow_fragments(count);
     }
     /// At the head of a list.
     void add_fragment(std::uint32_t& list, std::uint64_t bits, std::uint32_t surface) {
@@ -105,6 +106,8 @@ class LazyDepth {
 
   private:
     static constexpr std::uint32_t chunk = 256;
+
+    [[gnu::noinline]] void grow_fragments(std::uint32_t count) { fragments_.resize(2 * fragments_.size() + count); }
 
     std::vector<SubcellDepths> farthest_;
     std::vector<Block> cells_;
