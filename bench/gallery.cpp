@@ -15,8 +15,8 @@
 //              shows, as a part of the reference's; drawn: part of the primitives that were not culled; cells of the
 //              coverage pyramid visited a pixel
 //
-// Rows that end in +masks are drawn with coverage masks, 64 samples a pixel, the far field by the area law; with
-// +masks,samples its opacity is a part of the samples.
+// Rows that end in +masks are drawn with coverage masks, 64 samples a pixel, the far field's opacity being a part of
+// the samples; with +masks,law it is deposited by the area law.
 #include "scenes/gallery.hpp"
 
 #include <benchmark/benchmark.h>
@@ -89,8 +89,8 @@ constexpr scenes::RendererChoice z_buffer_at(int samples) {
     return {.samples = samples};
 }
 constexpr scenes::RendererChoice masks{.kind = scenes::RendererKind::coverage, .samples = 64};
-constexpr scenes::RendererChoice far_field_in_samples{
-    .kind = scenes::RendererKind::coverage, .samples = 64, .far_field_in_samples = true};
+constexpr scenes::RendererChoice far_field_by_area_law{
+    .kind = scenes::RendererKind::coverage, .samples = 64, .far_field_by_area_law = true};
 
 View view_from(glm::dvec3 eye, int size, float tolerance) {
     const glm::vec3 up = std::abs(glm::normalize(eye).y) > 0.99 ? glm::vec3(0, 0, 1) : glm::vec3(0, 1, 0);
@@ -345,8 +345,8 @@ constexpr bool masks_draw = DrawableWith<typename V::hierarchy_type, Triangle, C
                         if (!is_drawn_with_masks(variant)) return;
                         register_row<CoverageRenderer>(failure, scene, severity, variant, masks, "+masks", all);
                         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
-                            register_row<CoverageRenderer>(failure, scene, severity, variant, far_field_in_samples,
-                                                           "+masks,samples", all);
+                            register_row<CoverageRenderer>(failure, scene, severity, variant, far_field_by_area_law,
+                                                           "+masks,law", all);
                         }
                     }
                 });

@@ -25,7 +25,7 @@ struct CoverageTraits : Order {
 template <class Order, class Samples>
 std::unique_ptr<AnyRenderer> make_coverage_renderer_of(const RendererChoice& choice) {
     CoverageOptions options;
-    if (choice.far_field_in_samples) options.far_coverage = FarCoverage::samples;
+    if (choice.far_field_by_area_law) options.far_coverage = FarCoverage::area_law;
     options.culls_back_faces = choice.culls_back_faces;
     using Counting = BasicCoverageRenderer<CoverageTraits<Order, Samples, CoverageWork>>;
     using Mapping = BasicCoverageRenderer<CoverageTraits<Order, Samples, CoverageWorkImage>>;

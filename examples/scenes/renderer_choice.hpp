@@ -23,8 +23,8 @@ struct RendererChoice {
     RendererKind kind = RendererKind::z_buffer;
     int samples = 1;  ///< a pixel: a square up to 64; of coverage masks 1 or 64
     bool culls_back_faces = false;
-    bool far_field_in_samples = false;  ///< of coverage masks: FarCoverage::samples instead of the area law
-    bool maps_work = false;             ///< coverage masks tell where they visit cells, too, which takes time
+    bool far_field_by_area_law = false;  ///< of coverage masks: instead of FarCoverage::samples
+    bool maps_work = false;              ///< coverage masks tell where they visit cells, too, which takes time
 };
 
 }  // namespace farfield::scenes

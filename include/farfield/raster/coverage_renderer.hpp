@@ -27,13 +27,13 @@ namespace farfield {
 
 /// How far-field cells meet masks.
 enum class FarCoverage : std::uint8_t {
-    /// By the area law, a transmittance a pixel on top of the masks: sheets stay whole, leaves overlap as leaves do.
-    /// For box-filtered images; others take `samples`.
-    area_law,
-    /// Opacity is a part of the 64 samples, chosen anew for every cell and pixel: good for leaves, bad for single
-    /// sheets,
-    /// which neighbors then cover with holes.
+    /// Opacity is a part of the 64 samples, chosen anew for every cell and pixel: in cells of a pixel closed surfaces
+    /// stay
+    /// closed. In larger ones single sheets get holes.
     samples,
+    /// By the area law, transmittances on top of the masks: large cells of sheets leak a quarter as much, but where far
+    /// cells adjoin geometry within a pixel a closed surface is torn. For box-filtered images; others take `samples`.
+    area_law,
 };
 
 struct CoverageOptions {
@@ -41,7 +41,7 @@ struct CoverageOptions {
     std::optional<DirectionalLight> light{};  ///< in the outermost hierarchy's axes; none: colors as they are
     bool culls_back_faces = false;            ///< for closed surfaces that are counter-clockwise seen from outside
     Simd simd = Simd::automatic;              ///< all give the same picture
-    FarCoverage far_coverage = FarCoverage::area_law;
+    FarCoverage far_coverage = FarCoverage::samples;
 };
 
 /// Draws what a Viewer hands over; the picture is image() after the frame. Colors that differ over a primitive are
