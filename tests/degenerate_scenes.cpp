@@ -69,7 +69,7 @@ std::vector<Scene> degenerate_scenes() {
         append(t, moved(random_triangles(5000, 27, 0.003f), 1, {0, 1.2f, 0}));
         return t;
     }());
-    for (const std::size_t count : {2500, 200}) {
+    for (const std::size_t count : {2500u, 200u}) {
         add(count == 200 ? "few needles" : "needles", [&] {
             Triangles t(count);
             for (Triangle& one : t) {

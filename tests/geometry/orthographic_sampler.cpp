@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <limits>
 #include <vector>
 
 #include "catch.hpp"
@@ -137,6 +139,19 @@ TEST_CASE("a wall through the box is seen from its two sides alone", "[geometry]
                     const Rgba8 c = out[grid.index(side, 0, 0, 0) + i];
                     CHECK(c == (int(side / 2) == axis ? Rgba8{10, 20, 30, 255} : Rgba8{0, 0, 0, 0}));
                 }
+            }
+        }
+    }
+}
+
+TEST_CASE("what a box without extent along an axis holds is in its first slab", "[geometry]") {
+    for (const float thickness : {0.0f, std::numeric_limits<float>::denorm_min()}) {
+        const SampleGrid grid{{{-1, -1, 0}, {1, 1, thickness}}, 4, 4};
+        const auto out = sampled({}, grid, sheet({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 1, 1, {10, 20, 30, 255}));
+        for (const unsigned side : {4u, 5u}) {
+            for (unsigned slab = 0; slab < 4; ++slab) {
+                const std::uint8_t alpha = slab == 0 ? 255 : 0;
+                for (std::size_t i = 0; i < 16; ++i) CHECK(out[grid.index(side, slab, 0, 0) + i].a == alpha);
             }
         }
     }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -159,6 +160,9 @@ class GridSampler {
         const float lowest = std::min(std::min(depth[0], depth[1]), depth[2]);
         const float highest = std::max(std::max(depth[0], depth[1]), depth[2]);
         const float lower = grid.box.lower[a], upper = grid.box.upper[a];
+        // All of a box without extent is in its first slab.
+        const float quotient = float(grid.slabs) / (upper - lower),
+                    slabs_per_unit = std::isfinite(quotient) ? quotient : 0;
         const float inverse_area = 1.0f / float(doubled_area);
         const float by_e1 = (depth[1] - depth[0]) * inverse_area, by_e2 = (depth[2] - depth[0]) * inverse_area;
         float brightness[2] = {1, 1};  // as seen from below and from above
@@ -186,7 +190,6 @@ class GridSampler {
                 }
                 unsigned slab = 0;
                 if (grid.slabs > 1) {
-                    const float slabs_per_unit = float(grid.slabs) / (upper - lower);
                     slab = unsigned(glm::clamp((d - lower) * slabs_per_unit, 0.0f, float(grid.slabs - 1)));
                 }
                 const std::size_t at = row + slab * squares + std::size_t(su);
