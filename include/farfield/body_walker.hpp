@@ -138,7 +138,7 @@ class BodyWalker {
   private:
     static constexpr std::uint32_t none = 0xffffffffu;
     /// As a Viewer's.
-    static constexpr std::uint32_t asking_pays_above = 64;
+    static constexpr std::uint32_t asking_pays_above = 24;
 
     struct Body {
         const H* hierarchy;

@@ -84,6 +84,10 @@ class SpatialHierarchy {
     std::span<const std::uint32_t> order() const { return order_; }  ///< empty: positions are indices
     std::span<const cell_data> stand_ins() const { return cell_data_; }
     std::span<const pool_element> pool() const { return pool_; }
+    /// That data_of() will be asked about a node soon: in large trees it is far from the node itself.
+    void prefetch_data_of(std::uint32_t node) const {
+        if constexpr (!std::is_empty_v<node_data>) __builtin_prefetch(&node_data_[node]);
+    }
     node_data data_of(std::uint32_t node) const {
         if constexpr (std::is_empty_v<node_data>) {
             return {};

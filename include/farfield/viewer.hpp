@@ -90,7 +90,7 @@ class Viewer {
 
   private:
     /// Whether a cell is hidden is not asked for fewer items: the answer costs about as much as drawing ten.
-    static constexpr std::uint32_t asking_pays_above = 64;
+    static constexpr std::uint32_t asking_pays_above = 24;
 
     /// What is deposited covers what comes later, in front of it or not. In runs of 128, point sampling told the inner
     /// triangles of a molecule from the outer ones better; 16 is no better than 32.
@@ -196,6 +196,7 @@ class Viewer {
         using H2 = std::remove_cvref_t<decltype(h)>;
         const std::span<const Node> nodes = h.nodes();
         const auto& node_data = h.data_of(index);
+        h.prefetch_data_of(node.first_child);
         const std::size_t own_instances = instances_.size();
         const std::uint32_t own_end = nodes[node.first_child].first_item;
         if (own_end != node.first_item) gather_items(v, node.first_item, own_end, law);

@@ -73,6 +73,16 @@ TEST_CASE("what is in a box is drawn inside its silhouette and is not nearer", "
             if (to.q(p.z, inverse) > silhouette.nearest_q) {
                 FAIL("nearer, frame " << i << ": " << to.q(p.z, inverse) << " > " << silhouette.nearest_q);
             }
+            REQUIRE(silhouette.front_count >= 1);
+            const float at_x = (p.x * inverse + to.offset_x) / 256 - 0.5f,
+                        at_y = (p.y * inverse + to.offset_y) / 256 - 0.5f;
+            for (int f = 0; f < silhouette.front_count; ++f) {
+                const DepthPlane& front = silhouette.fronts[std::size_t(f)];
+                const float most = front.inside(front.at_corner + front.by_x * at_x + front.by_y * at_y);
+                if (to.q(p.z, inverse) > most) {
+                    FAIL("before a front, frame " << i << ": " << to.q(p.z, inverse) << " > " << most);
+                }
+            }
             const std::int32_t sx = snapped_to_256th(p.x * inverse + to.offset_x),
                                sy = snapped_to_256th(p.y * inverse + to.offset_y);
             if (!is_inside_grown(outline, sx, sy)) FAIL("outside, frame " << i << ": size " << size << ", at " << far);

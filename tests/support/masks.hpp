@@ -307,12 +307,12 @@ class TiledFrames {
         frame_ = frame;
         target_.begin(frame.width_px, frame.height_px, frame.first_x(), frame.first_y());
     }
-    bool tile(const TilePolygon& polygon) { return tiler_.tile(target_, polygon); }
+    bool tile(TilePolygon polygon) { return tiler_.tile(target_, polygon); }
     /// Of something with this outline, nowhere nearer than q.
     bool is_seen(const TilePolygon& outline, float q, int grown_by) {
         Silhouette box;
         box.outline = outline;
-        box.nearest_q = q;
+        box.set_front(q);
         return tiler_.is_seen(target_, box, grown_by);
     }
     const Image& end(Rgba8 background = {0, 0, 0, 0}) {

@@ -3,6 +3,7 @@
 // Polygon Tiling with Coverage Masks", SIGGRAPH 1996, sections 4.1 and 4.4).
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -80,6 +81,21 @@ class BoxFilter {
     /// All samples of some pixels of an open block.
     FARFIELD_INLINE void fill_pixels(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {
         detail::store_selected(&sums_[block * 64], pixels, spread(premultiplied) << 6);
+    }
+
+    /// All samples of some pixels of a row of an open block, the first of which is `index`.
+    FARFIELD_INLINE void fill_row(std::size_t index, unsigned pixels, const std::array<Rgba8, 8>& premultiplied) {
+        std::uint8_t channels[32];
+        std::uint16_t sums[32];
+        std::memcpy(channels, premultiplied.data(), sizeof channels);
+        for (int i = 0; i < 32; ++i) sums[i] = std::uint16_t(channels[i] << 6);
+        if (pixels == 255) {
+            std::memcpy(&sums_[index], sums, sizeof sums);
+            return;
+        }
+        for (std::size_t i = 0; i < 8; ++i) {
+            if ((pixels >> i & 1) != 0) std::memcpy(&sums_[index + i], sums + 4 * i, sizeof sums_[index]);
+        }
     }
 
     /// Writes every pixel. Any number of times a frame.

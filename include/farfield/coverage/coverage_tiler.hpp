@@ -146,11 +146,11 @@ namespace sixteen_lanes {
 /// The tiler for one target, as functions of one instruction set.
 template <class Target>
 struct CoverageTiler {
-    /// Tiles what is seen of a polygon; false: nothing was.
-    bool (*tile)(Target&, const TilePolygon&);
+    /// Tiles what is seen of a polygon, whose gradient it makes where it has to; false: nothing was.
+    bool (*tile)(Target&, TilePolygon&);
     /// Whether anything in the box might be seen: "stopping if a visible sample is found" (section 5.2). Its silhouette
     /// is grown by this many 1/256 samples.
-    bool (*is_seen)(Target&, const Silhouette&, int grown_by);
+    bool (*is_seen)(Target&, Silhouette&, int grown_by);
 
     explicit CoverageTiler(Simd simd) : tile(&one_lane::tile<Target>), is_seen(&one_lane::is_seen<Target>) {
 #if defined(__x86_64__)

@@ -13,7 +13,7 @@ template <class Target>
 class Tiler {
   public:
     /// With `grown_by`, as if grown by so many 1/256 samples.
-    Tiler(Target& target, const TilePolygon& polygon, int grown_by = 0)
+    Tiler(Target& target, TilePolygon& polygon, int grown_by = 0)
         : target_(target), pyramid_(target.pyramid), polygon_(polygon), surface_(polygon.surface) {
         grown_by += Target::reach_of_samples;
         // Samples i with 256 i + 128 inside [lowest, highest].
@@ -32,21 +32,23 @@ class Tiler {
     }
 
     bool tile() {
+        is_small_ = Target::masks == MaskSource::exact && spans_few_masks();
         if (!choose_cells()) return false;
         ++target_.work.polygons_tiled;
-        const bool is_small = Target::masks == MaskSource::exact && spans_few_masks();
-        prepare_edges(0, !is_small);
+        // Not before: of two polygons one is hidden.
+        if (!surface_.is_flat) surface_.find_gradient();
+        prepare_edges(0, !is_small_);
         if constexpr (is_lazy) index_ = target_.lazy.add(surface_);
         bool drew = false;
         for (int c = 0; c < cell_count_; ++c) {
             const Start& s = cells_[std::size_t(c)];
-            if (is_small && s.level == 1) {
+            if (is_small_ && s.level == 1) {
                 if (!tile_few_masks(s.x, s.y)) continue;
                 tell_parents(1, s.x, s.y);
                 drew = true;
                 continue;
             }
-            if (is_small) tabulate_edges();
+            if (is_small_) tabulate_edges();
             const Edges edges = edges_at(s.level, s.x, s.y);
             if (!(s.level == 1 ? tile_block(s.x, s.y, edges) : tile_cell(s.level, s.x, s.y, edges))) continue;
             tell_parents(s.level, s.x, s.y);
@@ -120,26 +122,29 @@ class Tiler {
 
     /// Returns the level to begin at instead, if that is another.
     int choose_cell(int level, int x, int y) {
+        const std::size_t cell = pyramid_.index(level, x, y);
         // A parent covered all at once has not told the cells below.
-        for (int up = level + 1, px = x, py = y; up <= pyramid_.top_level(); ++up, px >>= 3, py >>= 3) {
+        const bool is_told = !is_covered_by_one(cell);
+        for (int up = level + 1, px = x, py = y; !is_told && up <= pyramid_.top_level(); ++up, px >>= 3, py >>= 3) {
             const std::size_t parent = pyramid_.index(up, px >> 3, py >> 3);
             const auto k = unsigned((py & 7) * 8 + (px & 7));
             if ((pyramid_[parent].covered & bit_of(k)) == 0) continue;
             if constexpr (is_lazy) {
-                const std::size_t below = pyramid_.index(up - 1, px, py);
-                if ((all_behind(parent, up, px >> 3, py >> 3) & bit_of(k)) == 0) {
-                    if (is_covered_by_one(below)) return up;
+                if (!is_subcell_behind(up, px, py, target_.lazy.farthest(parent).q[k])) {
+                    if (is_covered_by_one(pyramid_.index(up - 1, px, py))) return up;
                     continue;
                 }
             }
             return level;
         }
-        const std::size_t cell = pyramid_.index(level, x, y);
-        std::uint64_t hidden = pyramid_[cell].covered;
+        const std::uint64_t wanted = box_in(level, x, y);
+        std::uint64_t hidden = wanted & pyramid_[cell].covered;
         if constexpr (is_lazy) {
-            if (hidden != 0 && !pyramid_.is_untouched(cell)) hidden &= all_behind(cell, level, x, y);
+            if (hidden != 0 && is_told)
+                hidden = is_small_ && level == 1 ? behind_of_few(hidden, cell, x, y)
+                                                 : hidden & all_behind(cell, level, x, y);
         }
-        if ((box_in(level, x, y) & ~hidden) != 0) cells_[std::size_t(cell_count_++)] = {level, x, y};
+        if (hidden != wanted) cells_[std::size_t(cell_count_++)] = {level, x, y};
         return level;
     }
 
@@ -268,8 +273,8 @@ class Tiler {
         for (std::uint64_t left = whole; left != 0; left &= left - 1) {
             const auto k = unsigned(std::countr_zero(left));
             cover_cell(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8));
-            set_farthest(at, k, extremes);
         }
+        lower_farthest_of(at, whole, extremes);
         bool drew = whole != 0;
         for (std::uint64_t left = t.possible & ~(hidden | whole); left != 0; left &= left - 1) {
             const auto k = unsigned(std::countr_zero(left));
@@ -285,7 +290,7 @@ class Tiler {
             cell.vacant &= ~bit_of(k);
             const std::size_t child = pyramid_.index(level - 1, child_x, child_y);
             if (pyramid_.is_covered(child)) cell.covered |= bit_of(k);
-            set_farthest(at, k, extremes);
+            lower_farthest_of(at, bit_of(k), extremes);
             if constexpr (is_lazy) raise_farthest(at, k, child);
         }
         return drew;
@@ -331,6 +336,7 @@ class Tiler {
         if constexpr (is_lazy) target_.lazy.reserve_fragments(65);
         if (whole != 0) cover_masks(whole);
         if (active != 0) tile_masks(t, active);
+        lower_farthest();
         return drew_;
     }
 
@@ -340,6 +346,7 @@ class Tiler {
         masks_ = pyramid_.samples_of_block(block_.index);
         is_untouched_ = pyramid_.is_untouched(block_.index);
         drew_ = false;
+        lowered_ = no_subcells;
     }
 
     /// Triage pays where it saves looking at masks.
@@ -384,6 +391,7 @@ class Tiler {
             }
             if (inside != 0) tile_mask(k, inside);
         }
+        lower_farthest();
         return drew_;
     }
 
@@ -394,7 +402,7 @@ class Tiler {
         drew_ = true;
         if constexpr (is_lazy) {
             target_.lazy.add_fragment(target_.lazy.block(block_.index).whole_masks, whole, index_);
-            set_farthest_of(block_.index, whole, extremes_);
+            lowered_ |= whole;
         }
     }
 
@@ -459,7 +467,7 @@ class Tiler {
             std::uint32_t& history = target_.lazy.history(64 * block_.index + k);
             if (is_vacant) history = LazyDepth::none;
             target_.lazy.add_fragment(history, seen, index_);
-            set_farthest(block_.index, k, extremes_);
+            lowered_ |= bit_of(k);
         }
     }
 
@@ -505,12 +513,16 @@ class Tiler {
 
         void find(const DepthPlane& d, int x0, int y0, int step) {
             const int low_x = d.by_x > 0 ? 0 : step - 1, low_y = d.by_y > 0 ? 0 : step - 1;
-            for (int i = 0; i < 8; ++i) {
-                low_columns[i] = d.column(x0 + i * step + low_x);
-                high_columns[i] = d.column(x0 + i * step + (step - 1 - low_x));
-                low_rows[i] = d.row(y0 + i * step + low_y);
-                high_rows[i] = d.row(y0 + i * step + (step - 1 - low_y));
-            }
+            // As DepthPlane's row() and column(), eight at a time.
+            const auto at = MaskKernel::EightFloats{0, 1, 2, 3, 4, 5, 6, 7} * float(step);
+            auto q = d.by_x * (at + float(x0 + low_x) + d.base_x);
+            __builtin_memcpy(low_columns, &q, sizeof q);
+            q = d.by_x * (at + float(x0 + step - 1 - low_x) + d.base_x);
+            __builtin_memcpy(high_columns, &q, sizeof q);
+            q = d.at_corner + d.by_y * (at + float(y0 + low_y) + d.base_y);
+            __builtin_memcpy(low_rows, &q, sizeof q);
+            q = d.at_corner + d.by_y * (at + float(y0 + step - 1 - low_y) + d.base_y);
+            __builtin_memcpy(high_rows, &q, sizeof q);
         }
     };
 
@@ -518,9 +530,8 @@ class Tiler {
     /// extremes in a cell, too.
     std::uint64_t behind(std::uint64_t subcells, std::size_t cell, int level, int x, int y, Extremes& extremes) const {
         if constexpr (is_lazy) {
-            const int step = 1 << 3 * level;
             const DepthPlane& d = surface_.depth;
-            extremes.find(d, x * 8 * step + target_.first_x, y * 8 * step + target_.first_y, step);
+            find_extremes(d, level, x, y, extremes);
             if (subcells == 0) return all_subcells;
             return MaskKernel::plane_below(extremes.high_rows, extremes.high_columns, d.lowest, d.highest,
                                            target_.lazy.farthest(cell).q.data());
@@ -529,50 +540,65 @@ class Tiler {
                    static_cast<void>(y), static_cast<void>(extremes), all_subcells;
         }
     }
-    /// Of subcells that were vacant.
-    void set_farthest_of(std::size_t cell, std::uint64_t subcells, const Extremes& extremes) {
-        using EightFloats = MaskKernel::EightFloats;
-        EightFloats columns, farthest;
-        __builtin_memcpy(&columns, extremes.low_columns, sizeof columns);
-        float* of_row = target_.lazy.farthest(cell).q.data();
-        for (unsigned j = 0; j < 8; ++j, subcells >>= 8, of_row += 8) {
-            if ((subcells & 255) == 0) continue;
-            EightFloats q = extremes.low_rows[j] + columns;
-            q = q < surface_.depth.lowest ? EightFloats{} + surface_.depth.lowest : q;
-            q = q > surface_.depth.highest ? EightFloats{} + surface_.depth.highest : q;
-            MaskKernel::EightInts is_set;
-            MaskKernel::lanes_of(unsigned(subcells & 255), is_set);
-            __builtin_memcpy(&farthest, of_row, sizeof farthest);
-            farthest = is_set ? q : farthest;
-            __builtin_memcpy(of_row, &farthest, sizeof farthest);
-        }
-    }
-    void set_farthest(std::size_t cell, unsigned k, const Extremes& extremes) {
+    void lower_farthest_of(std::size_t cell, std::uint64_t subcells, const Extremes& extremes) {
         if constexpr (is_lazy) {
-            float& farthest = target_.lazy.farthest(cell).q[k];
-            const float least = surface_.depth.inside(extremes.low_rows[k / 8] + extremes.low_columns[k % 8]);
-            farthest = std::min(farthest, least);
+            const DepthPlane& d = surface_.depth;
+            MaskKernel::lower(subcells, extremes.low_rows, extremes.low_columns, d.lowest, d.highest,
+                              target_.lazy.farthest(cell).q.data());
+        } else {
+            static_cast<void>(cell), static_cast<void>(subcells), static_cast<void>(extremes);
         }
     }
+    void lower_farthest() { lower_farthest_of(block_.index, lowered_, extremes_); }
 
     /// Subcells of a cell of which the polygon, or the box that is asked for, lies behind all that is seen there.
     std::uint64_t all_behind(std::size_t cell, int level, int x, int y) const {
         if constexpr (is_lazy) {
-            const int step = 1 << 3 * level;
             const float* farthest = target_.lazy.farthest(cell).q.data();
-            if (box_ != nullptr) {
-                SubcellDepths depths;
-                depths.q.fill(box_->nearest_q);
-                return MaskKernel::less(depths.q.data(), farthest);
-            }
-            const DepthPlane& d = surface_.depth;
-            Extremes extremes;
-            extremes.find(d, x * 8 * step + target_.first_x, y * 8 * step + target_.first_y, step);
-            return MaskKernel::plane_below(extremes.high_rows, extremes.high_columns, d.lowest, d.highest, farthest);
+            return box_ != nullptr ? box_behind(level, x, y, farthest)
+                                   : plane_behind(surface_.depth, level, x, y, farthest);
         } else {
             return static_cast<void>(cell), static_cast<void>(level), static_cast<void>(x), static_cast<void>(y),
                    all_subcells;
         }
+    }
+
+    /// Of one: (x, y) of all of its level, whose cells have 8^level samples a side.
+    bool is_subcell_behind(int level, int x, int y, float farthest) const {
+        const int step = 1 << 3 * level, first_x = x * step + target_.first_x, first_y = y * step + target_.first_y;
+        const auto is_behind = [&](const DepthPlane& d) {
+            const float row = d.row(d.by_y > 0 ? first_y + step - 1 : first_y);
+            return d.at(row, d.by_x > 0 ? first_x + step - 1 : first_x) < farthest;
+        };
+        if (box_ == nullptr) return is_behind(surface_.depth);
+        return std::any_of(box_->fronts.begin(), box_->fronts.begin() + box_->front_count, is_behind);
+    }
+    /// Those of a few masks of a block.
+    std::uint64_t behind_of_few(std::uint64_t masks, std::size_t block, int x, int y) const {
+        const float* farthest = target_.lazy.farthest(block).q.data();
+        std::uint64_t behind = masks & MaskKernel::greater(farthest, surface_.depth.highest);
+        for (std::uint64_t left = masks & ~behind; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            if (is_subcell_behind(1, 8 * x + int(k % 8), 8 * y + int(k / 8), farthest[k])) behind |= bit_of(k);
+        }
+        return behind;
+    }
+    std::uint64_t plane_behind(const DepthPlane& d, int level, int x, int y, const float* farthest) const {
+        Extremes extremes;
+        find_extremes(d, level, x, y, extremes);
+        return MaskKernel::plane_below(extremes.high_rows, extremes.high_columns, d.lowest, d.highest, farthest);
+    }
+    /// A ray is in the box no earlier than behind the last of its fronts.
+    std::uint64_t box_behind(int level, int x, int y, const float* farthest) const {
+        std::uint64_t behind = 0;
+        for (int i = 0; i < box_->front_count; ++i) {
+            behind |= plane_behind(box_->fronts[std::size_t(i)], level, x, y, farthest);
+        }
+        return behind;
+    }
+    void find_extremes(const DepthPlane& d, int level, int x, int y, Extremes& extremes) const {
+        const int step = 1 << 3 * level;
+        extremes.find(d, x * 8 * step + target_.first_x, y * 8 * step + target_.first_y, step);
     }
 
     /// What was farthest may have been hidden since: a covered cell knows better.
@@ -589,9 +615,12 @@ class Tiler {
         farthest = least[0];
         for (int i = 1; i < 8; ++i) farthest = std::min(farthest, least[i]);
     }
-    /// Of a covered cell: then it knows nothing but that.
+    /// Of a covered cell: then it knows nothing but that. Of another: whether nothing has been drawn there.
     bool is_covered_by_one(std::size_t cell) const {
-        return pyramid_.is_untouched(cell) || target_.lazy.block(cell).covered_by != LazyDepth::none;
+        if constexpr (is_lazy) {
+            if (target_.lazy.block(cell).covered_by != LazyDepth::none) return true;
+        }
+        return pyramid_.is_untouched(cell);
     }
 
     /// What covered a cell all at once is said to the cells below.
@@ -604,7 +633,7 @@ class Tiler {
         Tiler below(target_, whole, index);
         below.cover_below(level, x, y);
     }
-    Tiler(Target& target, const TilePolygon& polygon, std::uint32_t index)
+    Tiler(Target& target, TilePolygon& polygon, std::uint32_t index)
         : target_(target), pyramid_(target.pyramid), polygon_(polygon), surface_(polygon.surface), index_(index) {}
 
     void cover_below(int level, int x, int y) {
@@ -613,13 +642,11 @@ class Tiler {
         lazy.open(cell);
         pyramid_[cell] = {all_subcells, no_subcells};
         const std::uint64_t inside = pyramid_.inside(cell);
-        const int step = 1 << 3 * level;
-        extremes_.find(surface_.depth, x * 8 * step + target_.first_x, y * 8 * step + target_.first_y, step);
-        for (std::uint64_t left = inside; left != 0; left &= left - 1) {
+        find_extremes(surface_.depth, level, x, y, extremes_);
+        lower_farthest_of(cell, inside, extremes_);
+        for (std::uint64_t left = level > 1 ? inside : 0; left != 0; left &= left - 1) {
             const auto k = unsigned(std::countr_zero(left));
-            set_farthest(cell, k, extremes_);
-            if (level > 1)
-                lazy.block(pyramid_.index(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8))).covered_by = index_;
+            lazy.block(pyramid_.index(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8))).covered_by = index_;
         }
         if (level == 1) {
             target_.samples.split_block(block_at(x, y), inside, surface_);
@@ -648,35 +675,23 @@ class Tiler {
         const LazyDepth& lazy = target_.lazy;
         for (std::uint32_t f = lazy.block(block_.index).whole_masks; f != LazyDepth::none; f = lazy.fragment(f).next) {
             if ((lazy.fragment(f).bits >> k & 1) != 0)
-                return is_behind(lazy.surface(lazy.fragment(f).surface), k, samples);
+                return is_behind(lazy.depth(lazy.fragment(f).surface), k, samples);
         }
         for (std::uint32_t f = lazy.history(64 * block_.index + k); f != LazyDepth::none; f = lazy.fragment(f).next) {
             const std::uint64_t shared = lazy.fragment(f).bits & samples;
-            if (shared != 0 && !is_behind(lazy.surface(lazy.fragment(f).surface), k, shared)) return false;
+            if (shared != 0 && !is_behind(lazy.depth(lazy.fragment(f).surface), k, shared)) return false;
         }
         return true;
     }
-    bool is_behind(const Surface& other, unsigned k, std::uint64_t samples) const {
-        using EightFloats = MaskKernel::EightFloats;
+    bool is_behind(const DepthPlane& other, unsigned k, std::uint64_t samples) const {
+        if (surface_.depth.highest < other.lowest) return true;
         const int x = block_.sample_x_of(k), y = block_.sample_y_of(k);
-        const DepthPlane &d = surface_.depth, &o = other.depth;
-        EightFloats own, others;
-        for (int i = 0; i < 8; ++i) {
-            own[i] = d.column(x + i);
-            others[i] = o.column(x + i);
-        }
-        for (int j = 0; j < 8; ++j) {
-            const auto wanted = unsigned(samples >> (8 * j) & 255);
-            if (wanted == 0) continue;
-            EightFloats q = d.row(y + j) + own, r = o.row(y + j) + others;
-            q = q < d.lowest ? EightFloats{} + d.lowest : q;
-            q = q > d.highest ? EightFloats{} + d.highest : q;
-            r = r < o.lowest ? EightFloats{} + o.lowest : r;
-            r = r > o.highest ? EightFloats{} + o.highest : r;
-            const MaskKernel::EightInts is_nearer = ~(q < r);
-            if ((MaskKernel::byte_of(is_nearer) & wanted) != 0) return false;
-        }
-        return true;
+        Extremes own, others;
+        own.find(surface_.depth, x, y, 1);
+        others.find(other, x, y, 1);
+        return (MaskKernel::plane_below(own.low_rows, own.low_columns, surface_.depth, others.low_rows,
+                                        others.low_columns, other) &
+                samples) == samples;
     }
 
     void make_deep(unsigned k, std::uint64_t covered) {
@@ -709,8 +724,8 @@ class Tiler {
         using EightWords = MaskKernel::EightWords;
         const int x = block_.sample_x_of(k), y = block_.sample_y_of(k);
         std::array<Rgba8, 8> colors;
-        EightFloats columns;
-        for (int i = 0; i < 8; ++i) columns[i] = surface.depth.column(x + i);
+        const EightFloats columns =
+            surface.depth.by_x * (EightFloats{0, 1, 2, 3, 4, 5, 6, 7} + float(x) + surface.depth.base_x);
         constexpr bool shades_samples = Target::samples_type::shades_samples;
         const bool has_deposits = (target_.samples.deposited(block_) >> k & 1) != 0;
         const Rgba8 of_pixel = target_.samples.color_of(block_, k, surface);
@@ -803,7 +818,7 @@ class Tiler {
         masks_[k] = all_subcells;
         cell_->covered |= bit_of(k);
         lazy.add_fragment(lazy.history(at), ~covered, index_);
-        set_farthest(block_.index, k, extremes_);
+        lowered_ |= bit_of(k);
     }
 
     // --- asking
@@ -834,13 +849,16 @@ class Tiler {
             const auto k = unsigned(std::countr_zero(left));
             const int child_x = 8 * x + int(k % 8), child_y = 8 * y + int(k / 8);
             if (level > 1) {
+                const Edges edges = edges_in(t, k, level);
                 if constexpr (is_lazy) {
-                    if ((cell.covered >> k & 1) != 0 &&
-                        is_covered_by_one(pyramid_.index(level - 1, child_x, child_y))) {
-                        return true;
+                    const std::uint32_t one =
+                        target_.lazy.block(pyramid_.index(level - 1, child_x, child_y)).covered_by;
+                    if ((cell.covered >> k & 1) != 0 && one != LazyDepth::none) {
+                        if (sees_before(target_.lazy.depth(one), level - 1, child_x, child_y, edges)) return true;
+                        continue;
                     }
                 }
-                if (sees_cell(level - 1, child_x, child_y, edges_in(t, k, level))) return true;
+                if (sees_cell(level - 1, child_x, child_y, edges)) return true;
                 continue;
             }
             target_.work.asks(0, child_x, child_y);
@@ -855,15 +873,36 @@ class Tiler {
         return false;
     }
 
+    /// Of a cell that one surface covers all of. Down to masks: a little of one counts as seen.
+    bool sees_before(const DepthPlane& one, int level, int x, int y, const Edges& in) {
+        target_.work.asks(level, x, y);
+        Triage t;
+        if (!triage(level, in, t)) return false;
+        Extremes extremes;
+        find_extremes(one, level, x, y, extremes);
+        SubcellDepths farthest;
+        for (unsigned k = 0; k < 64; ++k) {
+            farthest.q[k] = one.inside(extremes.low_rows[k / 8] + extremes.low_columns[k % 8]);
+        }
+        const std::uint64_t possible = t.possible & box_in(level, x, y) & ~box_behind(level, x, y, farthest.q.data());
+        if (level == 1) return possible != 0;
+        for (std::uint64_t left = possible; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            if (sees_before(one, level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8), edges_in(t, k, level))) return true;
+        }
+        return false;
+    }
+
     Target& target_;
     CoveragePyramid& pyramid_;
-    const TilePolygon& polygon_;
-    const Surface& surface_;
+    TilePolygon& polygon_;
+    Surface& surface_;
     std::int32_t span_ = 0;                    ///< of the bounding box, beyond the image too
     int x0_ = 0, y0_ = 0, x1_ = -1, y1_ = -1;  ///< samples of the bounding box inside the image, ends included
 
     int cell_count_ = 0;
     std::array<Start, 4> cells_;
+    bool is_small_ = false;  ///< not worth triage
     int edge_count_ = 0;
     std::array<std::int32_t, most_edges> a_, b_;
     std::array<std::int64_t, most_edges> e_;           ///< at the image's first sample
@@ -875,6 +914,7 @@ class Tiler {
     std::uint64_t* masks_ = nullptr;
     std::uint64_t behind_ = all_subcells;
     bool drew_ = false, is_untouched_ = false;
+    std::uint64_t lowered_ = no_subcells;  ///< where the polygon may be the farthest that is seen
 
     // Lazy mode only.
     std::uint32_t index_ = 0;          ///< of the surface
@@ -883,11 +923,11 @@ class Tiler {
 };
 
 template <class Target>
-bool tile(Target& target, const TilePolygon& polygon) {
+bool tile(Target& target, TilePolygon& polygon) {
     return Tiler<Target>(target, polygon).tile();
 }
 
 template <class Target>
-bool is_seen(Target& target, const Silhouette& box, int grown_by) {
+bool is_seen(Target& target, Silhouette& box, int grown_by) {
     return Tiler<Target>(target, box.outline, grown_by).is_seen(box, grown_by);
 }

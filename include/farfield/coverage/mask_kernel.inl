@@ -2,6 +2,11 @@
 // FARFIELD_LANES (1, 4, 8 or 16) and to stand inside a namespace of its own.
 
 struct MaskKernel {
+    /// Eight lanes, whatever the processor has: compilers take several registers where it has narrower ones.
+    typedef float EightFloats __attribute__((vector_size(32)));
+    typedef std::int32_t EightInts __attribute__((vector_size(32)));
+    typedef std::uint32_t EightWords __attribute__((vector_size(32)));
+
     /// Bit k: v[k] > threshold.
     static std::uint64_t greater(const std::int32_t* v, std::int32_t threshold) {
 #if FARFIELD_LANES == 16
@@ -35,30 +40,33 @@ struct MaskKernel {
 #endif
     }
 
-    /// Bit k: a[k] < b[k].
-    static std::uint64_t less(const float* a, const float* b) {
+    /// Bit k: v[k] > threshold.
+    static std::uint64_t greater(const float* v, float threshold) {
 #if FARFIELD_LANES == 16
-        return joined(_mm512_cmp_ps_mask(_mm512_load_ps(a), _mm512_load_ps(b), _CMP_LT_OQ),
-                      _mm512_cmp_ps_mask(_mm512_load_ps(a + 16), _mm512_load_ps(b + 16), _CMP_LT_OQ),
-                      _mm512_cmp_ps_mask(_mm512_load_ps(a + 32), _mm512_load_ps(b + 32), _CMP_LT_OQ),
-                      _mm512_cmp_ps_mask(_mm512_load_ps(a + 48), _mm512_load_ps(b + 48), _CMP_LT_OQ));
+        const __m512 t = _mm512_set1_ps(threshold);
+        return joined(_mm512_cmp_ps_mask(_mm512_load_ps(v), t, _CMP_GT_OQ),
+                      _mm512_cmp_ps_mask(_mm512_load_ps(v + 16), t, _CMP_GT_OQ),
+                      _mm512_cmp_ps_mask(_mm512_load_ps(v + 32), t, _CMP_GT_OQ),
+                      _mm512_cmp_ps_mask(_mm512_load_ps(v + 48), t, _CMP_GT_OQ));
 #elif FARFIELD_LANES == 8
+        const __m256 t = _mm256_set1_ps(threshold);
         std::uint64_t mask = 0;
         for (unsigned k = 0; k < 8; ++k) {
-            const __m256 part = _mm256_cmp_ps(_mm256_load_ps(a + 8 * k), _mm256_load_ps(b + 8 * k), _CMP_LT_OQ);
+            const __m256 part = _mm256_cmp_ps(_mm256_load_ps(v + 8 * k), t, _CMP_GT_OQ);
             mask |= std::uint64_t(std::uint32_t(_mm256_movemask_ps(part))) << (8 * k);
         }
         return mask;
 #elif FARFIELD_LANES == 4
+        const __m128 t = _mm_set1_ps(threshold);
         std::uint64_t mask = 0;
         for (unsigned k = 0; k < 16; ++k) {
-            const __m128 part = _mm_cmplt_ps(_mm_load_ps(a + 4 * k), _mm_load_ps(b + 4 * k));
+            const __m128 part = _mm_cmpgt_ps(_mm_load_ps(v + 4 * k), t);
             mask |= std::uint64_t(std::uint32_t(_mm_movemask_ps(part))) << (4 * k);
         }
         return mask;
 #else
         std::uint64_t mask = 0;
-        for (unsigned k = 0; k < 64; ++k) mask |= std::uint64_t(a[k] < b[k]) << k;
+        for (unsigned k = 0; k < 64; ++k) mask |= std::uint64_t(v[k] > threshold) << k;
         return mask;
 #endif
     }
@@ -90,10 +98,73 @@ struct MaskKernel {
         return mask;
     }
 
-    /// Eight lanes, whatever the processor has: compilers take several registers where it has narrower ones.
-    typedef float EightFloats __attribute__((vector_size(32)));
-    typedef std::int32_t EightInts __attribute__((vector_size(32)));
-    typedef std::uint32_t EightWords __attribute__((vector_size(32)));
+    /// Bit 8 * j + i: rows[j] + columns[i], kept inside what is said of a plane, is below the same of another.
+    static std::uint64_t plane_below(const float* rows, const float* columns, const DepthPlane& d,
+                                     const float* other_rows, const float* other_columns, const DepthPlane& o) {
+        std::uint64_t mask = 0;
+#if FARFIELD_LANES == 16
+        const __m512 c = _mm512_maskz_broadcast_f32x8(all, _mm256_load_ps(columns)), low = _mm512_set1_ps(d.lowest),
+                     high = _mm512_set1_ps(d.highest);
+        const __m512 other_c = _mm512_maskz_broadcast_f32x8(all, _mm256_load_ps(other_columns)),
+                     other_low = _mm512_set1_ps(o.lowest), other_high = _mm512_set1_ps(o.highest);
+        for (unsigned j = 0; j < 8; j += 2) {
+            __m512 q = _mm512_maskz_insertf32x8(all, _mm512_set1_ps(rows[j]), _mm256_set1_ps(rows[j + 1]), 1);
+            __m512 r =
+                _mm512_maskz_insertf32x8(all, _mm512_set1_ps(other_rows[j]), _mm256_set1_ps(other_rows[j + 1]), 1);
+            q = _mm512_maskz_min_ps(all, _mm512_maskz_max_ps(all, _mm512_add_ps(q, c), low), high);
+            r = _mm512_maskz_min_ps(all, _mm512_maskz_max_ps(all, _mm512_add_ps(r, other_c), other_low), other_high);
+            mask |= std::uint64_t(_mm512_cmp_ps_mask(q, r, _CMP_LT_OQ)) << (8 * j);
+        }
+#elif FARFIELD_LANES == 8
+        const __m256 c = _mm256_load_ps(columns), low = _mm256_set1_ps(d.lowest), high = _mm256_set1_ps(d.highest);
+        const __m256 other_c = _mm256_load_ps(other_columns), other_low = _mm256_set1_ps(o.lowest),
+                     other_high = _mm256_set1_ps(o.highest);
+        for (unsigned j = 0; j < 8; ++j) {
+            const __m256 q = _mm256_min_ps(_mm256_max_ps(_mm256_add_ps(_mm256_set1_ps(rows[j]), c), low), high);
+            const __m256 r = _mm256_min_ps(
+                _mm256_max_ps(_mm256_add_ps(_mm256_set1_ps(other_rows[j]), other_c), other_low), other_high);
+            const __m256 is_below = _mm256_cmp_ps(q, r, _CMP_LT_OQ);
+            mask |= std::uint64_t(std::uint32_t(_mm256_movemask_ps(is_below))) << (8 * j);
+        }
+#else
+        alignas(32) float limits[64];
+        for (unsigned k = 0; k < 64; ++k) {
+            limits[k] = std::min(std::max(other_rows[k / 8] + other_columns[k % 8], o.lowest), o.highest);
+        }
+        mask = plane_below(rows, columns, d.lowest, d.highest, limits);
+#endif
+        return mask;
+    }
+
+    /// Where bit 8 * j + i is set, limits[8 * j + i] becomes no larger than rows[j] + columns[i], kept inside [lowest,
+    /// highest].
+    static void lower(std::uint64_t bits, const float* rows, const float* columns, float lowest, float highest,
+                      float* limits) {
+#if FARFIELD_LANES == 16
+        const __m512 c = _mm512_maskz_broadcast_f32x8(all, _mm256_load_ps(columns));
+        const __m512 low = _mm512_set1_ps(lowest), high = _mm512_set1_ps(highest);
+        for (; bits != 0; bits >>= 16, rows += 2, limits += 16) {
+            const __m512 two_rows = _mm512_maskz_insertf32x8(all, _mm512_set1_ps(rows[0]), _mm256_set1_ps(rows[1]), 1);
+            const __m512 q = _mm512_maskz_min_ps(all, _mm512_maskz_max_ps(all, _mm512_add_ps(two_rows, c), low), high);
+            const __m512 old = _mm512_load_ps(limits);
+            _mm512_store_ps(limits, _mm512_mask_min_ps(old, __mmask16(bits & 0xffff), old, q));
+        }
+#else
+        EightFloats c, limit;
+        __builtin_memcpy(&c, columns, sizeof c);
+        for (; bits != 0; bits >>= 8, ++rows, limits += 8) {
+            if ((bits & 255) == 0) continue;
+            EightFloats q = *rows + c;
+            q = q < lowest ? EightFloats{} + lowest : q;
+            q = q > highest ? EightFloats{} + highest : q;
+            EightInts is_wanted;
+            lanes_of(unsigned(bits & 255), is_wanted);
+            __builtin_memcpy(&limit, limits, sizeof limit);
+            limit = (is_wanted & (q < limit)) ? q : limit;
+            __builtin_memcpy(limits, &limit, sizeof limit);
+        }
+#endif
+    }
 
     /// All bits of a lane for each bit of a byte, and back.
     static void lanes_of(unsigned byte, EightInts& lanes) {
@@ -191,6 +262,9 @@ struct MaskKernel {
 
   private:
 #if FARFIELD_LANES == 16
+    /// Without a mask g++ 12 warns of its own headers.
+    static constexpr __mmask16 all = 0xffff;
+
     static std::uint64_t joined(__mmask16 a, __mmask16 b, __mmask16 c, __mmask16 d) {
         return _mm512_kunpackd(_mm512_kunpackw(d, c), _mm512_kunpackw(b, a));
     }

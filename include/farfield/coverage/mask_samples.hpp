@@ -67,6 +67,10 @@ class PixelSamples {
         for (unsigned row = 0; masks != 0; masks >>= 8, row += 8) {
             if ((masks & 255) == 0) continue;
             const auto colors = surface.seen_colors_of_pixels(block.sample_x, block.sample_y_of(row));
+            if constexpr (has_blocks) {
+                filter_.fill_row(64 * block.index + row, unsigned(masks & 255), colors);
+                continue;
+            }
             for (auto left = unsigned(masks & 255); left != 0; left &= left - 1) {
                 const auto i = unsigned(std::countr_zero(left));
                 add(block, row + i, all_subcells, 64, colors[i], true);
@@ -103,7 +107,7 @@ class PixelSamples {
         if ((deposited(block) >> k & 1) == 0) return;
         for (unsigned i = 0; i < 8; ++i) colors[i] = far_.behind(64 * block.index + k, s + i, colors[i]);
     }
-    static Rgba8 color_of(const MaskBlock& block, unsigned k, const Surface& surface) {
+    FARFIELD_INLINE static Rgba8 color_of(const MaskBlock& block, unsigned k, const Surface& surface) {
         return surface.is_flat ? surface.seen_color()
                                : surface.seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
     }

@@ -19,7 +19,7 @@ struct Surface {
     DepthPlane depth;
     std::array<Rgba8, 4> colors;  ///< at corners; all the same where it is flat
     SnappedTriangle triangle{};   ///< the first three corners where it is not flat, clockwise
-    ColorGradient gradient{};     ///< likewise
+    ColorGradient gradient{};     ///< likewise, once find_gradient() was called
     std::uint32_t hash = 0;       ///< chooses samples where alpha is below 255
     bool is_flat = true;          ///< of one color
     bool is_solid = true;         ///< alpha is 255 everywhere: covers every sample that it lies on
@@ -32,12 +32,14 @@ struct Surface {
     glm::vec3 far_rgb{0};        ///< in [0, 1], not premultiplied
     bool is_background = false;  ///< keeps its alpha, and covers whatever that is
 
+    [[gnu::always_inline]] void find_gradient() { gradient = ColorGradient(triangle, colors, is_perspective); }
+
     /// What a sample that shows the surface shows: alpha has chosen the samples, and is spent.
-    Rgba8 seen_color() const { return seen(colors[0]); }  ///< where it is flat
+    [[gnu::always_inline]] Rgba8 seen_color() const { return seen(colors[0]); }  ///< where it is flat
     Rgba8 seen_color_at(int x, int y) const { return seen(color_at(x, y)); }
     /// One for the 8 x 8 samples of a pixel, the first of which is (x, y), as if the surface went on beyond its
     /// corners: "for each visible fragment, a single shading value is computed" (Greene 1996, section 2.2).
-    Rgba8 seen_color_of_pixel(int x, int y) const { return seen(color_of_pixel(x, y)); }
+    [[gnu::always_inline]] Rgba8 seen_color_of_pixel(int x, int y) const { return seen(color_of_pixel(x, y)); }
 
     /// Likewise of eight pixels in a row.
     [[gnu::always_inline]] std::array<Rgba8, 8> seen_colors_of_pixels(int x, int y) const {
@@ -60,7 +62,7 @@ struct Surface {
     }
 
   private:
-    Rgba8 color_of_pixel(int x, int y) const {
+    [[gnu::always_inline]] Rgba8 color_of_pixel(int x, int y) const {
         return is_flat ? colors[0] : gradient.pixel(float(x) + 4, float(y) + 4);
     }
     Rgba8 color_at(int x, int y) const {
@@ -68,7 +70,7 @@ struct Surface {
         const Rgba8 corners[3] = {colors[0], colors[1], colors[2]};
         return ColorPlane(triangle, triangle.doubled_area(), is_perspective).at(x, y, corners);
     }
-    Rgba8 seen(Rgba8 c) const {
+    [[gnu::always_inline]] Rgba8 seen(Rgba8 c) const {
         if (!is_background) c.a = 255;
         return c;
     }

@@ -38,7 +38,9 @@ struct PolygonBsp {
 
     Cell root(const Box& bounds) const {
         Cell cell;
-        if (!bounds.is_empty()) cell = cell_around(bounds.lower, bounds.upper);
+        for (int axis = 0; axis < 3 && !bounds.is_empty(); ++axis) {
+            put_around(bounds.lower[axis], bounds.upper[axis], axis, cell);
+        }
         return cell;
     }
 
@@ -72,16 +74,18 @@ struct PolygonBsp {
     }
 
     Cell child(const Cell& parent, const node_data& data, unsigned i) const {
-        Cell cell = parent;
-        if (i != on) {
+        // Cells are written where they are read, number by number: to copy them at once would wait for that.
+        Cell cell;
+        if (i == on) {
+            cell = parent;
+        } else {
             const Box box = parent.bounds();
             const std::size_t side = i == behind ? 0 : 1;
-            glm::vec3 lower, upper;
             for (int axis = 0; axis < 3; ++axis) {
-                lower[axis] = at(box.lower[axis], box.upper[axis], data.lower[side][axis]);
-                upper[axis] = at(box.lower[axis], box.upper[axis], data.upper[side][axis]);
+                const float lower = at(box.lower[axis], box.upper[axis], data.lower[side][axis]);
+                const float upper = at(box.lower[axis], box.upper[axis], data.upper[side][axis]);
+                put_around(lower, upper, axis, cell);
             }
-            cell = cell_around(lower, upper);
         }
         cell.depth = std::uint16_t(parent.depth + 1);
         // What lies on one plane may, up to rounding, not lie on that of any of the pieces: it is done with all the
@@ -117,10 +121,10 @@ struct PolygonBsp {
     }
 
     /// A step wider than the box, so that center and half side, rounded, hold it.
-    static Cell cell_around(glm::vec3 lower, glm::vec3 upper) {
-        const glm::vec3 center = Box{lower, upper}.center();
-        const glm::vec3 half = glm::max(center - lower, upper - center) * (1 + 0x1p-22f);
-        return {center, half, center, half, 0, 0};
+    static void put_around(float lower, float upper, int axis, Cell& cell) {
+        const float center = Box{glm::vec3(lower), glm::vec3(upper)}.center().x;
+        cell.center[axis] = cell.bounds_center[axis] = center;
+        cell.half[axis] = cell.bounds_half[axis] = std::max(center - lower, upper - center) * (1 + 0x1p-22f);
     }
 };
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
@@ -159,28 +160,31 @@ class BasicCoverageRenderer {
     using Target = CoverageTarget<Traits>;
 
     void draw(const PolygonStream& stream, const PolygonRecord& r) {
-        float x[4], y[4], q[4];
-        bool any_behind = false, all_behind = true, in_guard_band = true;
-        const float guard = SampleProjection::guard_band * 256;
-        for (unsigned c = 0; c < 4; ++c) {
-            const float dx = r.x[c] - to_.eye.x, dy = r.y[c] - to_.eye.y, dz = r.z[c] - to_.eye.z;
-            const float depth = dx * to_.forward.x + dy * to_.forward.y + dz * to_.forward.z;
-            const float inverse = to_.inverse_w(depth);
-            x[c] = (dx * to_.right.x + dy * to_.right.y + dz * to_.right.z) * inverse + to_.offset_x;
-            y[c] = (dx * to_.down.x + dy * to_.down.y + dz * to_.down.z) * inverse + to_.offset_y;
-            q[c] = to_.q(depth, inverse);
-            const bool is_behind = depth < to_.near_depth;
-            any_behind |= is_behind;
-            all_behind &= is_behind;
-            in_guard_band &= x[c] > -guard && x[c] < guard && y[c] > -guard && y[c] < guard;
-        }
-        if (all_behind) return;
-        if (any_behind || !in_guard_band) return draw_clipped(stream, r);
+        // Four corners side by side, as SampleProjection does one.
+        typedef float Floats __attribute__((vector_size(16)));
+        typedef std::int32_t Ints __attribute__((vector_size(16)));
+        constexpr float guard = SampleProjection::guard_band * 256;
+        Floats dx, dy, dz;
+        std::memcpy(&dx, r.x, sizeof dx);
+        std::memcpy(&dy, r.y, sizeof dy);
+        std::memcpy(&dz, r.z, sizeof dz);
+        dx -= to_.eye.x, dy -= to_.eye.y, dz -= to_.eye.z;
+        const Floats depth = dx * to_.forward.x + dy * to_.forward.y + dz * to_.forward.z;
+        const Floats inverse = 1.0f / (depth * to_.depth_weight + to_.depth_bias);
+        const Floats x = (dx * to_.right.x + dy * to_.right.y + dz * to_.right.z) * inverse + to_.offset_x;
+        const Floats y = (dx * to_.down.x + dy * to_.down.y + dz * to_.down.z) * inverse + to_.offset_y;
+        const Floats q = inverse * to_.q_of_inverse + depth * to_.q_of_depth;
+        const Ints is_behind = depth < to_.near_depth;
+        const Ints is_whole = ~is_behind & (x > -guard) & (x < guard) & (y > -guard) & (y < guard);
+        if (!is_set(is_whole)) return is_set(is_behind) ? void() : draw_clipped(stream, r);
         Corners corners;
+        const Floats snapped_x = x + snap_rounder, snapped_y = y + snap_rounder;
+        std::memcpy(corners.x.data(), &snapped_x, sizeof snapped_x);
+        std::memcpy(corners.y.data(), &snapped_y, sizeof snapped_y);
+        std::memcpy(corners.q.data(), &q, sizeof q);
         for (unsigned c = 0; c < 4; ++c) {
-            corners.x[c] = snapped_to_256th(x[c]);
-            corners.y[c] = snapped_to_256th(y[c]);
-            corners.q[c] = q[c];
+            corners.x[c] -= std::int32_t(snap_rounder_bits);
+            corners.y[c] -= std::int32_t(snap_rounder_bits);
         }
         const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream.colors(r);
         if (r.is_triangle) {
@@ -188,6 +192,14 @@ class BasicCoverageRenderer {
         } else {
             draw_quadrilateral(r, corners, colors);
         }
+    }
+
+    /// In all four lanes.
+    template <class Ints>
+    static bool is_set(const Ints& lanes) {
+        std::uint64_t halves[2];
+        std::memcpy(halves, &lanes, sizeof halves);
+        return (halves[0] & halves[1]) == ~std::uint64_t(0);
     }
 
     struct Corners {
@@ -298,10 +310,7 @@ class BasicCoverageRenderer {
             const float brightness = light->brightness(is_front ? n : -n);
             for (Rgba8& c : s.colors) c = scaled(c, brightness);
         }
-        if (colors != nullptr) {
-            s.triangle = clockwise;
-            s.gradient = ColorGradient(clockwise, s.colors, to_.is_perspective);
-        }
+        if (colors != nullptr) s.triangle = clockwise;
     }
 
     void draw_clipped(const PolygonStream& stream, const PolygonRecord& r) {

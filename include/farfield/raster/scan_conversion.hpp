@@ -32,6 +32,7 @@ struct SnappedTriangle {
 /// q over the screen: a plane, kept inside what the corners span, for a sliver's plane is steep.
 struct DepthPlane {
     float at_corner = 0, by_x = 0, by_y = 0, lowest = 0, highest = 0;
+    float base_x = 0, base_y = 0;  ///< from the first corner to sample (0, 0)
 
     DepthPlane() = default;
     DepthPlane(const SnappedTriangle& t, std::int64_t doubled_area) {
@@ -39,21 +40,22 @@ struct DepthPlane {
         const float q1 = t.q[1] - t.q[0], q2 = t.q[2] - t.q[0];
         by_x = (q1 * float(t.y[2] - t.y[0]) - q2 * float(t.y[1] - t.y[0])) * scale;
         by_y = (q2 * float(t.x[1] - t.x[0]) - q1 * float(t.x[2] - t.x[0])) * scale;
-        base_x_ = (128.0f - float(t.x[0])) * (1.0f / 256);
-        base_y_ = (128.0f - float(t.y[0])) * (1.0f / 256);
+        base_x = (128.0f - float(t.x[0])) * (1.0f / 256);
+        base_y = (128.0f - float(t.y[0])) * (1.0f / 256);
         at_corner = t.q[0];
         lowest = std::min(t.q[0], std::min(t.q[1], t.q[2]));
         highest = std::max(t.q[0], std::max(t.q[1], t.q[2]));
     }
+    /// Of no triangle: q at sample (0, 0) and how it changes from sample to sample.
+    DepthPlane(float at_first, float by_sample_x, float by_sample_y, float lowest_q, float highest_q)
+        : at_corner(at_first), by_x(by_sample_x), by_y(by_sample_y), lowest(lowest_q), highest(highest_q) {}
+
     /// Distances to the first corner are small where the triangle is: no cancellation against the screen's origin.
-    float row(int y) const { return at_corner + by_y * (float(y) + base_y_); }
+    float row(int y) const { return at_corner + by_y * (float(y) + base_y); }
     /// at(row, x) is row + column(x), kept inside.
-    float column(int x) const { return by_x * (float(x) + base_x_); }
+    float column(int x) const { return by_x * (float(x) + base_x); }
     float inside(float q) const { return q < lowest ? lowest : q > highest ? highest : q; }
     float at(float row, int x) const { return inside(row + column(x)); }
-
-  private:
-    float base_x_ = 0, base_y_ = 0;
 };
 
 namespace detail {
