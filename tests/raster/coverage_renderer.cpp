@@ -489,6 +489,32 @@ TEMPLATE_TEST_CASE("boxes behind a wall are hidden, and those before, beside and
     }
 }
 
+TEST_CASE("a room along a corridor's wall is hidden, though its nearest corner is nearer than most of the wall",
+          "[raster]") {
+    for (const int parts : {1, 40}) {
+        CAPTURE(parts);
+        CoverageRenderer renderer;
+        const Triangles wall = sheet({0.5f, -30, 3.5f}, {0, 0, -90}, {0, 60, 0}, parts, parts, {1, 2, 3, 255});
+        const View view = sized(looking({0, 0, 4}, {0.6f, 0, -6}), 200, 160);
+        const LocalView local = local_view(std::span<const Triangle>(wall), view);
+        Source<Triangle> source{wall, {}, std::uint32_t(wall.size()), glm::dvec3(0), 0};
+        source.id = renderer.page_in(source);
+        renderer.begin_frame(local);
+        renderer.set_view(local);
+        draw_all(renderer, source);
+        const auto is_hidden = [&](glm::vec3 lower, glm::vec3 upper) {
+            return renderer.hidden(box_cell((lower + upper) * 0.5f, (upper - lower) * 0.5f), {});
+        };
+        CHECK(is_hidden({0.6f, -1, -10}, {1.6f, 1, 2}));
+        CHECK(is_hidden({0.6f, -0.2f, -4}, {4, 0.2f, 1}));
+        CHECK_FALSE(is_hidden({0.4f, -1, -10}, {1.6f, 1, 2}));     // breaks through
+        CHECK_FALSE(is_hidden({-0.3f, -1, -10}, {0.45f, 1, -1}));  // in the corridor
+        CHECK_FALSE(is_hidden({0.5f, -0.2f, -4}, {4, 0.2f, 1}));   // touches it
+        renderer.end_frame();
+        renderer.page_out(source.id);
+    }
+}
+
 TEST_CASE("a hierarchy culled by the renderer's answers gives the picture of all its primitives", "[raster]") {
     using Hierarchy = SpatialHierarchy<Octree, Exact, TriangleCount>;
     Triangles triangles = random_triangles(20000, 940, 0.03f);
