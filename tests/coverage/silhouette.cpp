@@ -70,14 +70,14 @@ TEST_CASE("what is in a box is drawn inside its silhouette and is not nearer", "
                         z = inside_of(random, center.z, half.z);
             const glm::vec3 p = to.project({x, y, z});
             const float inverse = to.inverse_w(p.z);
-            if (to.q(p.z, inverse) > silhouette.nearest_q) {
-                FAIL("nearer, frame " << i << ": " << to.q(p.z, inverse) << " > " << silhouette.nearest_q);
+            if (to.q(p.z, inverse) > silhouette.fronts.nearest_q) {
+                FAIL("nearer, frame " << i << ": " << to.q(p.z, inverse) << " > " << silhouette.fronts.nearest_q);
             }
-            REQUIRE(silhouette.front_count >= 1);
+            REQUIRE(silhouette.fronts.count >= 1);
             const float at_x = (p.x * inverse + to.offset_x) / 256 - 0.5f,
                         at_y = (p.y * inverse + to.offset_y) / 256 - 0.5f;
-            for (int f = 0; f < silhouette.front_count; ++f) {
-                const DepthPlane& front = silhouette.fronts[std::size_t(f)];
+            for (int f = 0; f < silhouette.fronts.count; ++f) {
+                const DepthPlane& front = silhouette.fronts.planes[std::size_t(f)];
                 const float most = front.inside(front.at_corner + front.by_x * at_x + front.by_y * at_y);
                 if (to.q(p.z, inverse) > most) {
                     FAIL("before a front, frame " << i << ": " << to.q(p.z, inverse) << " > " << most);
@@ -123,6 +123,6 @@ TEST_CASE("the silhouette of a box across the view is its rectangle, at its fron
     CHECK(near(*high_x, 256 * 32 * 0.75));
     CHECK(near(*low_y, 256 * 32 * -0.75));
     CHECK(near(*high_y, 256 * 32 * 0.25));
-    CHECK(s.nearest_q >= -3);
-    CHECK(s.nearest_q <= Approx(-3).epsilon(1e-4));
+    CHECK(s.fronts.nearest_q >= -3);
+    CHECK(s.fronts.nearest_q <= Approx(-3).epsilon(1e-4));
 }

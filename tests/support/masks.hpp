@@ -312,7 +312,7 @@ class TiledFrames {
     bool is_seen(const TilePolygon& outline, float q, int grown_by) {
         Silhouette box;
         box.outline = outline;
-        box.set_front(q);
+        box.fronts = BoxFronts(q);
         return tiler_.is_seen(target_, box, grown_by);
     }
     const Image& end(Rgba8 background = {0, 0, 0, 0}) {

@@ -571,7 +571,7 @@ class Tiler {
             return d.at(row, d.by_x > 0 ? first_x + step - 1 : first_x) < farthest;
         };
         if (box_ == nullptr) return is_behind(surface_.depth);
-        return std::any_of(box_->fronts.begin(), box_->fronts.begin() + box_->front_count, is_behind);
+        return std::any_of(box_->fronts.planes.begin(), box_->fronts.planes.begin() + box_->fronts.count, is_behind);
     }
     /// Those of a few masks of a block.
     std::uint64_t behind_of_few(std::uint64_t masks, std::size_t block, int x, int y) const {
@@ -591,8 +591,8 @@ class Tiler {
     /// A ray is in the box no earlier than behind the last of its fronts.
     std::uint64_t box_behind(int level, int x, int y, const float* farthest) const {
         std::uint64_t behind = 0;
-        for (int i = 0; i < box_->front_count; ++i) {
-            behind |= plane_behind(box_->fronts[std::size_t(i)], level, x, y, farthest);
+        for (int i = 0; i < box_->fronts.count; ++i) {
+            behind |= plane_behind(box_->fronts.planes[std::size_t(i)], level, x, y, farthest);
         }
         return behind;
     }

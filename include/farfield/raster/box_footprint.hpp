@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "farfield/raster/box_fronts.hpp"
 #include "farfield/raster/sample_projection.hpp"
 
 namespace farfield {
@@ -15,7 +17,7 @@ namespace farfield {
 struct BoxFootprint {
     bool is_bounded = false;               ///< false: reaches to the near plane or nearly so; the rest is not set
     int x0 = 0, y0 = 0, x1 = -1, y1 = -1;  ///< ends included; empty if x0 > x1 or y0 > y1
-    float q = 0;                           ///< nearer than no sample of any polygon inside the box, or as near
+    BoxFronts fronts;
 
     bool is_empty() const { return x0 > x1 || y0 > y1; }
 
@@ -71,7 +73,9 @@ struct BoxFootprint {
         y0 = std::max(sample(low_y, to.first_y, to.end_y), to.first_y);
         x1 = std::min(sample(high_x, to.first_x, to.end_x), to.end_x - 1);
         y1 = std::min(sample(high_y, to.first_y, to.end_y), to.end_y - 1);
-        q = to.q(nearest, to.inverse_w(nearest));
+        const float q = to.q(nearest, to.inverse_w(nearest));
+        fronts = BoxFronts(center, half, to, {glm::vec2(low_x, low_y), glm::vec2(high_x, high_y)}, q,
+                           q - to.q(nearest + 2 * error, to.inverse_w(nearest + 2 * error)));
         is_bounded = true;
     }
 };

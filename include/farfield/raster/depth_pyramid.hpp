@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -39,15 +40,22 @@ class DepthPyramid {
 
     /// Is every sample of a rectangle (ends included, inside the picture) nearer than q?
     bool all_nearer(int x0, int y0, int x1, int y1, float q) {
+        return all_nearer(x0, y0, x1, y1, [q](int, int, int, int) { return q; });
+    }
+    /// Than something whose q is nowhere larger than nearest(x0, y0, x1, y1) in such a rectangle?
+    template <class Nearest>
+    requires std::invocable<Nearest, int, int, int, int>
+    bool all_nearer(int x0, int y0, int x1, int y1, const Nearest& nearest) {
         // Most questions are about something visible, and fail here.
-        if (!(at((x0 + x1) >> 1, (y0 + y1) >> 1) > q)) return false;
+        const int middle_x = (x0 + x1) >> 1, middle_y = (y0 + y1) >> 1;
+        if (!(at(middle_x, middle_y) > nearest(middle_x, middle_y, middle_x, middle_y))) return false;
         const int width = x1 - x0 + 1, height = y1 - y0 + 1;
         if (width <= side && height <= side && width * height <= side * side / 2) {
-            return samples_nearer(x0, y0, x1, y1, q);
+            return samples_nearer(x0, y0, x1, y1, nearest);
         }
         int level = 0;
         while (level + 1 < level_count_ && std::max(width, height) >> (log2_side * (level + 2)) > 1) ++level;
-        return squares_nearer(level, x0, y0, x1, y1, q);
+        return squares_nearer(level, x0, y0, x1, y1, nearest);
     }
 
   private:
@@ -58,36 +66,40 @@ class DepthPyramid {
 
     float at(int x, int y) const { return depth_[std::size_t(y) * std::size_t(width_) + std::size_t(x)]; }
 
-    bool samples_nearer(int x0, int y0, int x1, int y1, float q) const {
+    template <class Nearest>
+    bool samples_nearer(int x0, int y0, int x1, int y1, const Nearest& nearest) const {
         for (int y = y0; y <= y1; ++y) {
             const float* row = depth_ + std::size_t(y) * std::size_t(width_);
             for (int x = x0; x <= x1; ++x) {
-                if (!(row[x] > q)) return false;
+                if (!(row[x] > nearest(x, y, x, y))) return false;
             }
         }
         return true;
     }
 
-    bool squares_nearer(int level, int x0, int y0, int x1, int y1, float q) {
+    template <class Nearest>
+    bool squares_nearer(int level, int x0, int y0, int x1, int y1, const Nearest& nearest) {
         const int shift = log2_side * (level + 1);
         for (int row = y0 >> shift; row <= y1 >> shift; ++row) {
             float* farthest =
                 farthest_.data() + levels_[level].first + std::size_t(row) * std::size_t(levels_[level].columns);
             for (int column = x0 >> shift; column <= x1 >> shift; ++column) {
-                if (farthest[column] > q) continue;
                 const int left = column << shift, right = std::min(left + (1 << shift), width_) - 1;
                 const int top = row << shift, bottom = std::min(top + (1 << shift), height_) - 1;
+                const float q =
+                    nearest(std::max(x0, left), std::max(y0, top), std::min(x1, right), std::min(y1, bottom));
+                if (farthest[column] > q) continue;
                 const bool is_inside = x0 <= left && y0 <= top && x1 >= right && y1 >= bottom;
                 if (level == 0) {
                     farthest[column] = farthest_sample(left, top, right, bottom);
                     if (farthest[column] > q) continue;
-                    if (is_inside || !samples_nearer(std::max(x0, left), std::max(y0, top), std::min(x1, right),
-                                                     std::min(y1, bottom), q)) {
+                    if (!samples_nearer(std::max(x0, left), std::max(y0, top), std::min(x1, right),
+                                        std::min(y1, bottom), nearest)) {
                         return false;
                     }
                 } else {
                     if (!squares_nearer(level - 1, std::max(x0, left), std::max(y0, top), std::min(x1, right),
-                                        std::min(y1, bottom), q)) {
+                                        std::min(y1, bottom), nearest)) {
                         return false;
                     }
                     if (is_inside) farthest[column] = farthest_square(level - 1, left, top, right, bottom);

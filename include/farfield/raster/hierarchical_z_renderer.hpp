@@ -104,9 +104,12 @@ class HierarchicalZRenderer {
         if (!at.is_bounded) return false;
         if (at.is_empty()) return true;
         SampleBuffers& buffers = canvas_.buffers();
+        const auto nearest = [&](int x0, int y0, int x1, int y1) {
+            return at.fronts.nearest_in(x0 + to.first_x, y0 + to.first_y, x1 + to.first_x, y1 + to.first_y);
+        };
         return pyramid_.all_nearer(at.x0 - to.first_x, at.y0 - to.first_y, at.x1 - to.first_x, at.y1 - to.first_y,
-                                   at.q) ||
-               (buffers.has_far() && buffers.all_settled(at.x0, at.y0, at.x1, at.y1, at.q));
+                                   nearest) ||
+               (buffers.has_far() && buffers.all_settled(at.x0, at.y0, at.x1, at.y1, at.fronts.nearest_q));
     }
 
   private:

@@ -1,0 +1,89 @@
+// How near can what lies in a box be, sample by sample?
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+
+#include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/scan_conversion.hpp"
+
+namespace farfield {
+
+/// The sides of a box that face the eye, as planes of q. A ray enters the box where it meets the last of them: none of
+/// what lies inside has, at a sample, a larger q than any of them. So a room is hidden behind a corridor's wall though
+/// its nearest corner is nearer than most of the wall, which a bound by that corner alone cannot tell.
+///
+/// They are raised by as much as rounding and snapping may raise what is drawn. (The depth of a sliver on the screen,
+/// whose corners lie all but on a line, is known only within that of its corners: where it comes before a front it is
+/// by that error, and may be left out with what is hidden.)
+struct BoxFronts {
+    std::array<DepthPlane, 3> planes;  ///< over samples, relative to the center sample
+    int count = 0;                     ///< 1 or more once made
+    float nearest_q = 0;               ///< of no point of the box is q larger
+
+    BoxFronts() = default;
+    /// Of something that is only known to be nowhere nearer.
+    explicit BoxFronts(float q) : count(1), nearest_q(q) { planes[0] = DepthPlane(q, 0, 0, q, q); }
+
+    /// All of the box must be before the near plane; on the screen, in 1/256 sample relative to the center sample, it
+    /// lies between `low` and `high`. nearest_q has been raised by rounding_q.
+    ///
+    /// A point at depth d that is seen at (X, Y), samples from where the view's axis meets the screen, is eye + d
+    /// forward + w (X right + Y down) / focal, w being d in perspective and 1 in orthographic views. With its
+    /// coordinate on one axis given, q is linear in X and Y.
+    BoxFronts(glm::vec3 center, glm::vec3 half, const SampleProjection& to, std::array<glm::vec2, 2> low_and_high,
+              float nearest, float rounding_q)
+        : nearest_q(nearest) {
+        // How far contents may be drawn from where they are, in samples: see CoverageRenderer::hidden.
+        constexpr float snapping = 8.0f / 256;
+        const float to_x = to.offset_x * (1.0f / 256), to_y = to.offset_y * (1.0f / 256);
+        const auto reach = [&](int axis, float zero) {
+            return std::max(std::abs(low_and_high[0][axis] * (1.0f / 256) - zero),
+                            std::abs(low_and_high[1][axis] * (1.0f / 256) - zero));
+        };
+        const float reach_x = reach(0, to_x), reach_y = reach(1, to_y);
+        const float by_sample = 1 / (to.focal * to.focal * 256);  // to.right has a length of 256 focal
+        for (int axis = 0; axis < 3; ++axis) {
+            const float a = to.right[axis] * by_sample, b = to.down[axis] * by_sample;
+            const float to_lower = center[axis] - half[axis] - to.eye[axis],
+                        to_upper = center[axis] + half[axis] - to.eye[axis];
+            float plane, by_plane, q;
+            if (to.is_perspective) {
+                plane = to_lower > 0 ? to_lower : to_upper < 0 ? to_upper : 0.0f;  // 0: no front
+                by_plane = to.q_of_inverse / plane;
+                q = by_plane * to.forward[axis];
+            } else {
+                plane = to.forward[axis] > 0 ? to_lower : to_upper;
+                by_plane = -to.q_of_depth / to.forward[axis];
+                q = -by_plane * plane;
+            }
+            const float by_x = by_plane * a, by_y = by_plane * b;
+            const float most = std::abs(q) + std::abs(by_x) * reach_x + std::abs(by_y) * reach_y;
+            const float sums = std::abs(center[axis]) + half[axis] + std::abs(to.eye[axis]);
+            const float rounding = most * (sums * 0x1p-22f / std::abs(plane) + 0x1p-18f) + rounding_q;
+            const float at_first = q + rounding + (std::abs(by_x) + std::abs(by_y)) * snapping + by_x * (0.5f - to_x) +
+                                   by_y * (0.5f - to_y);
+            if (!std::isfinite(at_first) || !std::isfinite(by_x) || !std::isfinite(by_y)) continue;
+            planes[std::size_t(count++)] =
+                DepthPlane(at_first, by_x, by_y, -std::numeric_limits<float>::infinity(), nearest_q);
+        }
+        if (count == 0) *this = BoxFronts(nearest_q);
+    }
+
+    /// No smaller than q of anything inside, at any of these samples, ends included.
+    float nearest_in(int x0, int y0, int x1, int y1) const {
+        float nearest = nearest_q;
+        for (int i = 0; i < count; ++i) {
+            const DepthPlane& p = planes[std::size_t(i)];
+            nearest = std::min(nearest, p.at(p.row(p.by_y > 0 ? y1 : y0), p.by_x > 0 ? x1 : x0));
+        }
+        return nearest;
+    }
+};
+
+}  // namespace farfield
