@@ -27,7 +27,7 @@
 #include "farfield/coverage/silhouette.hpp"
 #include "farfield/coverage/surface.hpp"
 #include "farfield/coverage/triage_mask.hpp"
-#include "farfield/raster/triangle_triage.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield {
 
@@ -154,15 +154,10 @@ struct CoverageTiler {
 
     explicit CoverageTiler(Simd simd) : tile(&one_lane::tile<Target>), is_seen(&one_lane::is_seen<Target>) {
 #if defined(__x86_64__)
-        const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2");
-        const bool has_avx512 = has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                                __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-        if (simd == Simd::scalar) return;
-        tile = &four_lanes::tile<Target>, is_seen = &four_lanes::is_seen<Target>;
-        if (simd == Simd::four_lanes || !has_avx2) return;
-        tile = &eight_lanes::tile<Target>, is_seen = &eight_lanes::is_seen<Target>;
-        if (simd == Simd::eight_lanes || !has_avx512) return;
-        tile = &sixteen_lanes::tile<Target>, is_seen = &sixteen_lanes::is_seen<Target>;
+        const int lanes = lanes_for(simd);
+        if (lanes >= 4) tile = &four_lanes::tile<Target>, is_seen = &four_lanes::is_seen<Target>;
+        if (lanes >= 8) tile = &eight_lanes::tile<Target>, is_seen = &eight_lanes::is_seen<Target>;
+        if (lanes >= 16) tile = &sixteen_lanes::tile<Target>, is_seen = &sixteen_lanes::is_seen<Target>;
 #else
         static_cast<void>(simd);
 #endif

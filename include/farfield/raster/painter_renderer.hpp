@@ -17,6 +17,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/sample_rows.hpp"
 #include "farfield/raster/scan_conversion.hpp"
+#include "farfield/raster/simd.hpp"
 #include "farfield/raster/triangle_painter.hpp"
 #include "farfield/raster/triangle_runs.hpp"
 #include "farfield/raster/triangle_streams.hpp"

@@ -1,7 +1,7 @@
 // Rows of opaque samples, many at a step.
 //
-// The same source is compiled for vectors of four and eight lanes; eight are taken at run time where the processor has
-// AVX2. All widths compute the bits that DepthPlane and ColorPlane do, sample by sample.
+// The same source is compiled for vectors of four and eight lanes (simd.hpp); all widths compute the bits that
+// DepthPlane and ColorPlane do, sample by sample.
 #pragma once
 
 #include <bit>
@@ -12,7 +12,7 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/shading.hpp"
-#include "farfield/raster/triangle_triage.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield {
 
@@ -60,22 +60,13 @@ namespace rows_of_four {
 #undef FARFIELD_LANES
 
 #if defined(__x86_64__)
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2")
-#endif
+FARFIELD_BEGIN_EIGHT_LANES
 #define FARFIELD_LANES 8
 namespace rows_of_eight {
 #include "farfield/raster/sample_rows.inl"
 }
 #undef FARFIELD_LANES
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+FARFIELD_END_LANES
 #endif
 
 /// Samples [begin, end) of a row, to be indexed with x. All read and write up to 8 samples beyond the end, which they
@@ -92,12 +83,13 @@ struct SampleRows {
     bool (*painted_colors)(Rgba8* color, int& begin, int end, const ColorsOfRow& colors) = nullptr;
 
     explicit SampleRows(Simd simd) {
-        if (simd == Simd::scalar || std::endian::native != std::endian::little) return;
+        const int lanes = lanes_for(simd);
+        if (lanes < 4 || std::endian::native != std::endian::little) return;
         one_color = &rows_of_four::fill_one_color;
         several_colors = &rows_of_four::fill_several_colors;
         painted_colors = &rows_of_four::paint_several_colors;
 #if defined(__x86_64__)
-        if (simd != Simd::four_lanes && __builtin_cpu_supports("avx2")) {
+        if (lanes >= 8) {
             one_color = &rows_of_eight::fill_one_color;
             several_colors = &rows_of_eight::fill_several_colors;
             painted_colors = &rows_of_eight::paint_several_colors;

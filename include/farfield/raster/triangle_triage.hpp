@@ -2,14 +2,14 @@
 // transformed, snapped and rejected many at a step, before any set-up. Where small ones are deposited instead, what a
 // deposit takes is made in the same step.
 //
-// The same source is compiled for vectors of one, four and eight lanes; eight are taken at run time where the processor
-// has AVX2. Fused multiply-add is left out on purpose: all widths compute the same bits.
+// The same source is compiled for vectors of one, four and eight lanes (simd.hpp); all widths compute the same bits.
 #pragma once
 
 #include <bit>
 #include <cstdint>
 
 #include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/simd.hpp"
 #include "farfield/raster/triangle_stream.hpp"
 
 namespace farfield {
@@ -37,9 +37,6 @@ struct TriageMasks {
     unsigned front;  ///< of the small: counter-clockwise on the screen
 };
 
-/// More lanes than a kernel or the processor has mean the most that there are.
-enum class Simd : std::uint8_t { automatic, scalar, four_lanes, eight_lanes, sixteen_lanes };
-
 /// Adding it rounds any float below 2^22 to the nearest integer, and leaves that in the low bits.
 inline constexpr float snap_rounder = 12582912.0f;
 inline constexpr std::uint32_t snap_rounder_bits = 0x4b400000;
@@ -59,34 +56,24 @@ namespace four_lanes {
 #undef FARFIELD_LANES
 
 #if defined(__x86_64__)
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2")
-#endif
+FARFIELD_BEGIN_EIGHT_LANES
 #define FARFIELD_LANES 8
 namespace eight_lanes {
 #include "farfield/raster/triangle_triage.inl"
 }
 #undef FARFIELD_LANES
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+FARFIELD_END_LANES
 #endif
 
 using TriageFunction = TriageMasks (*)(const TriangleBlock&, const SampleProjection&, TriagedBlock&);
 
-/// The widest that the processor has, or the one asked for; eight lanes fall back to four where there are none.
 template <bool deposits>
 TriageFunction triage_function(Simd simd) {
-    if (simd == Simd::scalar) return &one_lane::triage_any<deposits>;
+    const int lanes = lanes_for(simd);
 #if defined(__x86_64__)
-    if (simd != Simd::four_lanes && __builtin_cpu_supports("avx2")) return &eight_lanes::triage_any<deposits>;
+    if (lanes >= 8) return &eight_lanes::triage_any<deposits>;
 #endif
-    return &four_lanes::triage_any<deposits>;
+    return lanes >= 4 ? &four_lanes::triage_any<deposits> : &one_lane::triage_any<deposits>;
 }
 
 }  // namespace farfield

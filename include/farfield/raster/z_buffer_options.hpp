@@ -5,7 +5,7 @@
 
 #include "farfield/geometry/light.hpp"
 #include "farfield/geometry/rgba8.hpp"
-#include "farfield/raster/triangle_triage.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield {
 
