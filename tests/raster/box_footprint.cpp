@@ -8,7 +8,7 @@
 #include "catch.hpp"
 #include "farfield/raster/sample_rect.hpp"
 #include "farfield/raster/scan_conversion.hpp"
-#include "farfield/raster/triangle_triage.hpp"
+#include "farfield/raster/snapping.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
 

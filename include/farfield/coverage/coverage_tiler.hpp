@@ -2,7 +2,7 @@
 // lazy z-buffering on top of it (6.1).
 //
 // The same source is compiled for no, four, eight and sixteen lanes; the widest that the processor has is taken at run
-// time. All give the same masks, and so the same picture.
+// time. All give the same masks, and so the same picture. Its parts are listed in coverage_tiler.inl.
 #pragma once
 
 #if defined(__x86_64__)
@@ -84,14 +84,17 @@ struct CoverageTarget {
         first_y = first_sample_y;
     }
 
+    MaskBlock block_at(int x, int y) const {
+        return {pyramid.index(1, x, y), x, y, 64 * x + first_x, 64 * y + first_y};
+    }
+
     /// After all samples have come.
     void resolve(Image& image) {
         if constexpr (is_lazy) {
             const auto columns = std::size_t(pyramid.columns(1));
             for (const std::size_t at : lazy.deep_places()) {
-                const std::size_t index = at / 64;
-                const int x = int(index % columns), y = int(index / columns);
-                samples.replace({index, x, y, 64 * x + first_x, 64 * y + first_y}, unsigned(at % 64), lazy.deep(at));
+                const int x = int(at / 64 % columns), y = int(at / 64 / columns);
+                samples.replace(block_at(x, y), unsigned(at % 64), lazy.deep(at));
             }
         }
         samples.resolve(image);

@@ -16,7 +16,7 @@
 #include "farfield/coverage/surface.hpp"
 #include "farfield/raster/box_fronts.hpp"
 #include "farfield/raster/sample_projection.hpp"
-#include "farfield/raster/triangle_triage.hpp"
+#include "farfield/raster/snapping.hpp"
 
 namespace farfield {
 

@@ -84,6 +84,22 @@ struct TilePolygon {
     int corners = 0;
     std::array<std::int32_t, most_corners> x, y;  ///< 1/256 sample, relative to the center sample, below 2^22
     Surface surface{};
+
+    /// Clockwise. Depth is left to the caller, who may not need it.
+    void set_triangle(const SnappedTriangle& t) {
+        corners = 3;
+        for (unsigned c = 0; c < 3; ++c) {
+            x[c] = t.x[c];
+            y[c] = t.y[c];
+        }
+    }
+    /// Upright, square to the view.
+    void set_rectangle(std::int32_t left, std::int32_t top, std::int32_t right, std::int32_t bottom, float q) {
+        corners = 4;
+        x = {left, right, right, left};
+        y = {top, top, bottom, bottom};
+        surface.depth = DepthPlane(q, 0, 0, q, q);
+    }
 };
 
 }  // namespace farfield

@@ -97,17 +97,11 @@ class BasicCoverageRenderer {
     /// "We composite a screen-sized polygon of the desired background color, thereby tiling all remaining vacant
     /// pixels" (section 4.5).
     void end_frame() {
-        const std::int32_t left = 256 * to_.first_x, right = 256 * to_.end_x;
-        const std::int32_t top = 256 * to_.first_y, bottom = 256 * to_.end_y;
-        polygon_.corners = 4;
-        polygon_.x = {left, right, right, left};
-        polygon_.y = {top, top, bottom, bottom};
         polygon_.surface = {};
+        polygon_.set_rectangle(256 * to_.first_x, 256 * to_.first_y, 256 * to_.end_x, 256 * to_.end_y,
+                               -std::numeric_limits<float>::infinity());
         polygon_.surface.is_background = true;
         polygon_.surface.colors.fill(options_.background);
-        constexpr float infinity = std::numeric_limits<float>::infinity();
-        polygon_.surface.depth.at_corner = -infinity;
-        polygon_.surface.depth.lowest = polygon_.surface.depth.highest = -infinity;
         auto work = std::move(target_.work);
         target_.work.begin(target_.pyramid);
         tiler_.tile(target_, polygon_);

@@ -16,7 +16,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/shading.hpp"
-#include "farfield/raster/triangle_triage.hpp"
+#include "farfield/raster/snapping.hpp"
 #include "farfield/renderer.hpp"
 
 namespace farfield {
@@ -61,11 +61,7 @@ class FarPolygons {
             std::int64_t area = t.doubled_area();
             if (area == 0) continue;
             if (area < 0) t.flip(), area = -area;
-            polygon_.corners = 3;
-            for (unsigned c = 0; c < 3; ++c) {
-                polygon_.x[c] = t.x[c];
-                polygon_.y[c] = t.y[c];
-            }
+            polygon_.set_triangle(t);
             polygon_.surface.depth = DepthPlane(t, area);
             tile_(polygon_);
         }
@@ -87,12 +83,7 @@ class FarPolygons {
         const std::int32_t left = snapped_to_256th(x - grown.x), right = snapped_to_256th(x + grown.x);
         const std::int32_t top = snapped_to_256th(y - grown.y), bottom = snapped_to_256th(y + grown.y);
         shade(rgb, opacity, law, hash_of_triangle(splat.center, splat.center, splat.center));
-        polygon_.corners = 4;
-        polygon_.x = {left, right, right, left};
-        polygon_.y = {top, top, bottom, bottom};
-        polygon_.surface.depth = {};
-        polygon_.surface.depth.at_corner = polygon_.surface.depth.lowest = polygon_.surface.depth.highest =
-            to_.q(p.z, inverse);
+        polygon_.set_rectangle(left, top, right, bottom, to_.q(p.z, inverse));
         tile_(polygon_);
     }
 

@@ -10,7 +10,7 @@
 #include <glm/vec4.hpp>
 
 #include "farfield/raster/scan_conversion.hpp"
-#include "farfield/raster/triangle_triage.hpp"
+#include "farfield/raster/snapping.hpp"
 
 namespace farfield {
 

@@ -20,7 +20,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/shading.hpp"
-#include "farfield/raster/triangle_triage.hpp"
+#include "farfield/raster/snapping.hpp"
 
 namespace farfield {
 
@@ -158,11 +158,7 @@ class PolygonSetup {
         const bool is_front = area < 0;  // counter-clockwise, rows running downwards
         if (!is_front && culls_back_faces_) return;
         if (is_front) t.flip();
-        polygon_.corners = 3;
-        for (unsigned c = 0; c < 3; ++c) {
-            polygon_.x[c] = t.x[c];
-            polygon_.y[c] = t.y[c];
-        }
+        polygon_.set_triangle(t);
         if constexpr (Tile::needs_depth) polygon_.surface.depth = DepthPlane(t, std::abs(area));
         shade(r, is_front, colors, t);
         tile_(polygon_);

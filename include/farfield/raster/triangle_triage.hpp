@@ -5,11 +5,11 @@
 // The same source is compiled for vectors of one, four and eight lanes (simd.hpp); all widths compute the same bits.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/simd.hpp"
+#include "farfield/raster/snapping.hpp"
 #include "farfield/raster/triangle_stream.hpp"
 
 namespace farfield {
@@ -36,13 +36,6 @@ struct TriageMasks {
     unsigned small;  ///< to be deposited: has an area and touches the image. None where that is not asked for
     unsigned front;  ///< of the small: counter-clockwise on the screen
 };
-
-/// Adding it rounds any float below 2^22 to the nearest integer, and leaves that in the low bits.
-inline constexpr float snap_rounder = 12582912.0f;
-inline constexpr std::uint32_t snap_rounder_bits = 0x4b400000;
-inline std::int32_t snapped_to_256th(float v) {
-    return std::int32_t(std::bit_cast<std::uint32_t>(v + snap_rounder) - snap_rounder_bits);
-}
 
 #define FARFIELD_LANES 1
 namespace one_lane {
