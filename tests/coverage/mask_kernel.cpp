@@ -15,10 +15,7 @@ using namespace farfield::test;
 namespace {
 bool has_instructions(int lanes) {
 #if defined(__x86_64__)
-    const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2");
-    return lanes <= 4 ||
-           (has_avx2 && (lanes == 8 || (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                                        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))));
+    return lanes <= lanes_for(Simd::automatic);
 #else
     return lanes == 1;
 #endif
@@ -60,12 +57,10 @@ void check_kernel(int lanes) {
             random.below(2) == 0 ? table.v[random.below(64)] - std::int32_t(random.below(2)) : near;
         const std::uint64_t untabulated = Kernel::greater(a, b, close);
 
-        Depths p, q;
-        for (unsigned k = 0; k < 64; ++k) {
-            p.q[k] = any_depth(random);
-            q.q[k] = any_depth(random);
-        }
-        const std::uint64_t less = Kernel::less(p.q.data(), q.q.data());
+        Depths q;
+        for (float& one : q.q) one = any_depth(random);
+        const float limit = any_depth(random);
+        const std::uint64_t nearer = Kernel::greater(q.q.data(), limit);
 
         alignas(64) float rows[8], columns[8];
         for (int k = 0; k < 8; ++k) {
@@ -74,12 +69,21 @@ void check_kernel(int lanes) {
         }
         const float lowest = float(random.below(5)) * 0.1f - 0.2f, highest = lowest + float(random.below(5)) * 0.1f;
         const std::uint64_t below = Kernel::plane_below(rows, columns, lowest, highest, q.q.data());
+        // Another plane, turned, so that about as many are below as are not.
+        const DepthPlane d(0, 0, 0, lowest, highest), o(0, 0, 0, lowest + 0.1f, highest);
+        const std::uint64_t below_plane = Kernel::plane_below(rows, columns, d, columns, rows, o);
+        const std::uint64_t chosen = random.bits() & random.bits();
+        Depths lowered = q;
+        Kernel::lower(chosen, rows, columns, lowest, highest, lowered.q.data());
         for (unsigned k = 0; k < 64; ++k) {
             const auto x = std::int32_t(k % 8), y = std::int32_t(k / 8);
             const float plane = std::min(std::max(rows[y] + columns[x], lowest), highest);
+            const float other = std::min(std::max(columns[y] + rows[x], o.lowest), o.highest);
+            const float least = (chosen >> k & 1) != 0 ? std::min(plane, q.q[k]) : q.q[k];
             const bool is_right = table.v[k] == a * x + b * y && (greater >> k & 1) == (table.v[k] > threshold) &&
                                   (untabulated >> k & 1) == (table.v[k] > close) &&
-                                  (less >> k & 1) == (p.q[k] < q.q[k]) && (below >> k & 1) == (plane < q.q[k]);
+                                  (nearer >> k & 1) == (q.q[k] > limit) && (below >> k & 1) == (plane < q.q[k]) &&
+                                  (below_plane >> k & 1) == (plane < other) && lowered.q[k] == least;
             if (!is_right) FAIL(lanes << " lanes, " << k);
         }
         const std::uint64_t mask = random.bits() & random.bits();

@@ -114,36 +114,21 @@ namespace four_lanes {
 }  // namespace four_lanes
 #undef FARFIELD_LANES
 
-#if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2,bmi,bmi2,lzcnt,popcnt")
-#endif
+FARFIELD_BEGIN_EIGHT_LANES
 #define FARFIELD_LANES 8
 namespace eight_lanes {
 #include "farfield/coverage/coverage_tiler.inl"
 }  // namespace eight_lanes
 #undef FARFIELD_LANES
-#if defined(__clang__)
-#pragma clang attribute pop
-#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi,bmi2,lzcnt,popcnt"))), \
-                             apply_to = function)
-#else
-#pragma GCC pop_options
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi,bmi2,lzcnt,popcnt")
-#endif
+FARFIELD_END_LANES
+
+FARFIELD_BEGIN_SIXTEEN_LANES
 #define FARFIELD_LANES 16
 namespace sixteen_lanes {
 #include "farfield/coverage/coverage_tiler.inl"
 }  // namespace sixteen_lanes
 #undef FARFIELD_LANES
-#if defined(__clang__)
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
+FARFIELD_END_LANES
 #endif
 
 /// The tiler for one target, as functions of one instruction set.
@@ -153,7 +138,7 @@ struct CoverageTiler {
     bool (*tile)(Target&, TilePolygon&);
     /// Whether anything in the box might be seen: "stopping if a visible sample is found" (section 5.2). Its silhouette
     /// is grown by this many 1/256 samples.
-    bool (*is_seen)(Target&, Silhouette&, int grown_by);
+    bool (*is_seen)(Target&, const Silhouette&, int grown_by);
 
     explicit CoverageTiler(Simd simd) : tile(&one_lane::tile<Target>), is_seen(&one_lane::is_seen<Target>) {
 #if defined(__x86_64__)

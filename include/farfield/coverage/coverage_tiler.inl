@@ -237,6 +237,6 @@ bool tile(Target& target, TilePolygon& polygon) {
 }
 
 template <class Target>
-bool is_seen(Target& target, Silhouette& box, int grown_by) {
+bool is_seen(Target& target, const Silhouette& box, int grown_by) {
     return CoverageQuery<Target>(target, box, grown_by).is_seen(grown_by);
 }
