@@ -94,8 +94,10 @@ class SceneRun {
     }
 
     std::unique_ptr<SceneViewer> viewer(const BuiltScene& scene, int samples,
-                                        scenes::RendererKind renderer = scenes::RendererKind::z_buffer) const {
-        return scene.viewer({.kind = renderer, .samples = samples, .culls_back_faces = culls_back_faces(name_)});
+                                        scenes::RendererChoice renderer = {}) const {
+        renderer.samples = samples;
+        renderer.culls_back_faces = culls_back_faces(name_);
+        return scene.viewer(renderer);
     }
 
     /// The exact picture at 1, 4, 16 and 64 samples a pixel is a curve of its own.

@@ -57,7 +57,9 @@ class SeriesRun {
         for (const AnyVariant* variant : variants) {
             if (was_interrupted()) return;
             built.push_back(variant->build(scene));
-            viewers.push_back(built.back()->viewer({.kind = variant->renderer, .samples = variant->samples(1)}));
+            scenes::RendererChoice renderer = variant->renderer;
+            renderer.samples = variant->samples(1);
+            viewers.push_back(built.back()->viewer(renderer));
             schedule_.step();
         }
         const bool times_plain = triangles <= plain_limit;

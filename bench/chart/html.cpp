@@ -32,7 +32,7 @@ std::string escaped(std::string_view text) {
 constexpr std::string_view introduction = R"(
 <p>Every point is a variant at one tolerance. A line goes through the points of one number of samples a pixel; larger
 points have more. <b>exact</b> is there at 1, 4, 16 and 64 samples. What ends in <b>masks</b> is drawn with coverage
-masks at 64 samples, all else with a z-buffer. Errors are against exact pictures of 256 samples a
+masks at 64 samples, <b>by-table</b> with the paper's quantized edges instead of exact ones, all else with a z-buffer. Errors are against exact pictures of 256 samples a
 pixel, over the rectangle that the object takes. Times are medians, bars are quartiles; variants and exact were drawn in
 turns in one run, and every speed-up is a median of pairs. Both axes are logarithmic, and down to the left is better. The
 yellow line is the Pareto front: nothing else measured is both as fast and as accurate.</p>

@@ -11,6 +11,7 @@
 
 #include "farfield/view.hpp"
 #include "scenes/built_scene.hpp"
+#include "scenes/renderer_choice.hpp"
 #include "scenes/scene.hpp"
 
 namespace farfield::bench {
@@ -20,13 +21,13 @@ struct AnyVariant {
     bool stands_in = false;  ///< else no tolerance changes anything
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     std::function<std::unique_ptr<scenes::BuiltScene>(const scenes::Scene&)> build;
-    scenes::RendererKind renderer = scenes::RendererKind::z_buffer;
+    scenes::RendererChoice renderer{};  ///< but for its samples and back faces
     /// Over more stored ones it is left out: strict order cuts leaves into eight pieces and takes 0.06 ms for each.
     std::size_t most_triangles = std::numeric_limits<std::size_t>::max();
 
     /// A pixel, where so many are asked for: coverage masks have 64 for about the price of one.
     int samples(int asked) const { return has_own_samples() ? 64 : asked; }
-    bool has_own_samples() const { return renderer == scenes::RendererKind::coverage; }
+    bool has_own_samples() const { return renderer.kind == scenes::RendererKind::coverage; }
 };
 
 /// Of `variants` those that are built over so many stored triangles.

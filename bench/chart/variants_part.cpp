@@ -16,7 +16,8 @@ namespace {
 auto listed_variants() {
     return std::tuple_cat(variants(), strict_variants());
 }
-constexpr std::size_t with_masks = 1000;  // after all that are drawn by the z-buffer
+// After all that are drawn by the z-buffer.
+constexpr std::size_t with_masks = 1000, with_masks_by_table = 2000;
 
 template <class V>
 AnyVariant any(const V& variant) {
@@ -32,7 +33,7 @@ template <class V>
 AnyVariant any_with_masks(const V& variant) {
     AnyVariant result = any(variant);
     result.name += "+masks";
-    result.renderer = scenes::RendererKind::coverage;
+    result.renderer.kind = scenes::RendererKind::coverage;
     if (V::hierarchy_type::ordering == Ordering::primitives) result.most_triangles = 200'000;
     return result;
 }
@@ -61,6 +62,13 @@ std::vector<std::pair<std::size_t, AnyVariant>> variants_of_part<FARFIELD_VARIAN
             if (is_strict || (is_drawn_with_masks(variant) &&
                               scenes::PlacedScene<Hierarchy>::obstacle(scenes::RendererKind::coverage).empty())) {
                 ours.emplace_back(with_masks + place, any_with_masks(variant));
+            }
+            if constexpr (place == 0) {
+                // Once: what masks are made of is no matter of what they draw.
+                AnyVariant by_table = any_with_masks(variant);
+                by_table.name += "-by-table";
+                by_table.renderer.masks_by_table = true;
+                ours.emplace_back(with_masks_by_table, by_table);
             }
         }
     };

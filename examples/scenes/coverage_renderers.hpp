@@ -13,6 +13,8 @@ namespace farfield::scenes {
 
 std::unique_ptr<AnyRenderer> make_lazy_coverage_renderer(const RendererChoice& choice);
 std::unique_ptr<AnyRenderer> make_strict_coverage_renderer(const RendererChoice& choice);
+/// The paper's table of edges instead of exact masks, lazy, 64 samples; maps no work.
+std::unique_ptr<AnyRenderer> make_table_coverage_renderer(const RendererChoice& choice);
 
 namespace detail {
 
@@ -22,11 +24,16 @@ struct CoverageTraits : Order {
     using work = Work;
 };
 
-template <class Order, class Samples>
-std::unique_ptr<AnyRenderer> make_coverage_renderer_of(const RendererChoice& choice) {
+inline CoverageOptions coverage_options(const RendererChoice& choice) {
     CoverageOptions options;
     if (choice.far_field_by_area_law) options.far_coverage = FarCoverage::area_law;
     options.culls_back_faces = choice.culls_back_faces;
+    return options;
+}
+
+template <class Order, class Samples>
+std::unique_ptr<AnyRenderer> make_coverage_renderer_of(const RendererChoice& choice) {
+    const CoverageOptions options = coverage_options(choice);
     using Counting = BasicCoverageRenderer<CoverageTraits<Order, Samples, CoverageWork>>;
     using Mapping = BasicCoverageRenderer<CoverageTraits<Order, Samples, CoverageWorkImage>>;
     if (choice.maps_work) return std::make_unique<RendererBehind<Mapping>>(options);

@@ -24,6 +24,7 @@ struct RendererChoice {
     int samples = 1;  ///< a pixel: a square up to 64; of coverage masks 1 or 64
     bool culls_back_faces = false;
     bool far_field_by_area_law = false;  ///< of coverage masks: instead of FarCoverage::samples
+    bool masks_by_table = false;         ///< of coverage masks at 64 samples: edges quantized, as in 1996
     bool maps_work = false;              ///< coverage masks tell where they visit cells, too, which takes time
 };
 

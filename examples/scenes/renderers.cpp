@@ -18,6 +18,7 @@ std::unique_ptr<AnyRenderer> make_renderer(const RendererChoice& choice, bool is
         case RendererKind::painter:
             return std::make_unique<RendererBehind<PainterRenderer>>(painter);
         case RendererKind::coverage:
+            if (choice.masks_by_table) return make_table_coverage_renderer(choice);
             return is_strict ? make_strict_coverage_renderer(choice) : make_lazy_coverage_renderer(choice);
         case RendererKind::z_buffer:
             break;
