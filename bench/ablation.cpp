@@ -10,10 +10,11 @@
 #include <memory>
 #include <utility>
 
+#include "farfield/build.hpp"
 #include "farfield/measure/coverage_error.hpp"
 #include "farfield/measure/image_error.hpp"
 #include "farfield/measure/projected_rect.hpp"
-#include "farfield/variants.hpp"
+#include "farfield/tuning/variants.hpp"
 #include "support/subject.hpp"
 
 namespace farfield::bench {
@@ -22,7 +23,7 @@ namespace {
 /// The cost test of 1996 left out: cells are split down to ten primitives, whatever a stand-in costs, and all are kept.
 struct NoCostTest : ColorCube {
     Work expected_work() const { return {}; }
-    Work work(const cell_data&) const { return {}; }
+    Work work(const stand_in_data&) const { return {}; }
 };
 struct TenPrimitives : Octree {
     Split choose(const Cell& cell, std::span<const Item> items, node_data& data) const {
@@ -32,21 +33,20 @@ struct TenPrimitives : Octree {
 
 /// Stand-ins that cost more than what they stand for are kept. They are only drawn where they are chosen.
 struct KeepsAll : ColorCube {
-    Work work(const cell_data&) const { return {}; }
+    Work work(const stand_in_data&) const { return {}; }
 };
 
 /// All six faces are drawn, those behind too. In their order the three in front come last, so that front to back the
 /// others would be seen through them.
 struct AllFaces : ColorCube {
     template <class Sink>
-    void stand_in(const cell_data& data, std::span<const pool_element> pool, const Cell& cell, const LocalView& view,
-                  Sink&& sink) const {
-        ColorCube::stand_in(data, pool, cell, view, sink);
+    void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
+        ColorCube::draw_stand_in(data, cell, view, sink);
         // The view from the other side of the cell: what it sees are the backs.
         LocalView opposite = view;
         opposite.eye = 2.0f * cell.center - view.eye;
         opposite.forward = -view.forward;
-        ColorCube::stand_in(data, pool, cell, opposite, sink);
+        ColorCube::draw_stand_in(data, cell, opposite, sink);
     }
 };
 
@@ -74,8 +74,8 @@ auto ablations(std::size_t primitives) {
         with("analytic", ColorCube{.samples = 0}, Octree{}),
         with("inner_cells_drawn", ColorCube{.inner = ColorCube::Inner::direct}, Octree{}),
         with("thresholded", ColorCube{.opacity = ColorCube::Opacity::thresholded}, Octree{}),
-        with("tells_every_story", ColorCube{.same_story = -1}, Octree{}),
-        with("same_story_10_percent", ColorCube{.same_story = 0.1f}, Octree{}),
+        with("tells_every_story", ColorCube{.redundancy_tolerance = -1}, Octree{}),
+        with("same_story_10_percent", ColorCube{.redundancy_tolerance = 0.1f}, Octree{}),
         with("in_every_cell_touched", ColorCube{}, SharedOctree{}),
     };
 }

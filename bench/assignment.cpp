@@ -16,7 +16,7 @@ template <class H>
 void assignment(benchmark::State& state, const std::string& scene, double distance) {
     const std::vector<Primitive> triangles = triangles_of(scene);
     H hierarchy;
-    const double build_seconds = seconds([&] { hierarchy = H::build(std::span<const Primitive>(triangles)); });
+    const double build_seconds = seconds([&] { hierarchy = build<H>(triangles); });
     ZBufferRenderer renderer;
     auto viewer = make_viewer(hierarchy, triangles, renderer);
     const View view = table_view(hierarchy.bounds(), distance, 30, 124);

@@ -19,11 +19,12 @@
 #include <utility>
 #include <vector>
 
+#include "farfield/build.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
-#include "farfield/raster/coverage_renderer.hpp"
-#include "farfield/raster/hierarchical_z_renderer.hpp"
-#include "farfield/raster/painter_renderer.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
+#include "farfield/renderer/hierarchical_z_renderer.hpp"
+#include "farfield/renderer/painter_renderer.hpp"
 #include "scenes/forest.hpp"
 #include "scenes/object.hpp"
 #include "scenes/square_cube.hpp"
@@ -54,7 +55,7 @@ std::vector<double> cells_a_pixel(const std::vector<View>& views, Drawer& masks)
 template <class H>
 H built(const char* what, const std::vector<VertexColoredTriangle>& triangles) {
     H hierarchy;
-    const double taken = seconds([&] { hierarchy = H::build(std::span<const VertexColoredTriangle>(triangles)); });
+    const double taken = seconds([&] { hierarchy = build<H>(triangles); });
     Table::remark(std::string(what) + ": " + std::to_string(triangles.size()) + " triangles, " +
                   std::to_string(hierarchy.item_count()) + " items, " + std::to_string(hierarchy.bytes() >> 20) +
                   " MiB, built in " + std::to_string(taken) + " s");
@@ -200,7 +201,7 @@ void floors(const Run& run) {
     for (const scenes::Placement& p : root.placements) {
         objects.push_back({Object::InstanceOfTriangles{&floor, triangles, Similarity(p.to_parent)}});
     }
-    const auto all = OctreeOfBsps::build(std::span<const Object>(objects));
+    const auto all = build<OctreeOfBsps>(objects);
     if (!all.keeps_strict_order()) return Table::remark("floors: out of order, no strict masks");
 
     // The same place in the lowest floor and, an even number of floors higher, amid all of them.

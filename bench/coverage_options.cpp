@@ -17,11 +17,12 @@
 #include <string>
 #include <vector>
 
-#include "farfield/coverage/cosine_hump_filter.hpp"
+#include "farfield/build.hpp"
+#include "farfield/coverage/pixels/cosine_hump_filter.hpp"
 #include "farfield/measure/image_error.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
-#include "farfield/raster/coverage_renderer.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
 #include "scenes/square_cube.hpp"
 #include "support/drawer.hpp"
 #include "support/office.hpp"
@@ -97,7 +98,7 @@ struct Building {
             triangles[i + 1].rgba = triangles[i].rgba;
         }
         views = is_inside ? plan.inside() : plan.outside();
-        hierarchy = OctreeOfBsps::build(std::span<const VertexColoredTriangle>(triangles));
+        hierarchy = build<OctreeOfBsps>(triangles);
     }
     template <class R>
     std::unique_ptr<Drawer> by(const CoverageOptions& options = {}) const {

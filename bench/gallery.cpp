@@ -36,10 +36,11 @@
 #include <utility>
 #include <vector>
 
+#include "farfield/build.hpp"
 #include "farfield/measure/flicker.hpp"
 #include "farfield/measure/projected_rect.hpp"
-#include "farfield/raster/coverage_renderer.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/any_renderer.hpp"
 #include "scenes/occluders.hpp"
@@ -73,7 +74,9 @@ class DrawnBy final : public Drawn {
   public:
     DrawnBy(const V& variant, std::span<const Triangle> scene, const scenes::RendererChoice& choice)
         : variant_(variant),
-          hierarchy_(H::build(scene, partition_for(variant, scene.size()), variant.approximation, variant.cost)),
+          hierarchy_(build<H>(scene, {.partition = partition_for(variant, scene.size()),
+                                      .approximation = variant.approximation,
+                                      .cost_model = variant.cost_model})),
           renderer_(scenes::make_renderer(choice, false)),
           viewer_(hierarchy_, scene, renderer_) {}
     const Image& picture(View view) override {

@@ -10,13 +10,14 @@
 #include <vector>
 
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
-#include "farfield/instance.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/merged_viewer.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
-#include "farfield/raster/coverage_renderer.hpp"
+#include "farfield/primitive/instance.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/sphere.hpp"
 #include "scenes/tumbling_hall.hpp"
@@ -50,10 +51,10 @@ class Hall {
                 }
             }
         }
-        hierarchies_.push_back(H::build(std::span<const P>(hall_.building)));
+        hierarchies_.push_back(build<H>(hall_.building));
         for (const scenes::Body& b : hall_.bodies) {
             // Of one BSP of a convex body nearly every plane leaves the rest on one side: cubes tell better what meets.
-            hierarchies_.push_back(H::build(std::span<const P>(b.triangles), {.largest_leaf = 32}));
+            hierarchies_.push_back(build<H>(b.triangles, {.partition = {.largest_leaf = 32}}));
         }
     }
 
@@ -124,7 +125,7 @@ void lazy(benchmark::State& state) {
         Viewer<Root, Body, CoverageRenderer> viewer;
 
         Moment(std::vector<Body> b, CoverageRenderer& r)
-            : bodies(std::move(b)), root(Root::build(std::span<const Body>(bodies))), viewer(root, bodies, r) {}
+            : bodies(std::move(b)), root(build<Root>(bodies)), viewer(root, bodies, r) {}
     };
     std::vector<std::unique_ptr<Moment>> all;
     for (int m = 0; m < moments; ++m) all.push_back(std::make_unique<Moment>(scene.bodies_at(m), renderer));

@@ -53,13 +53,13 @@ namespace {
 /// Differs in what is stored, but for its error: the same cells are drawn.
 template <void (*change)(const OpacityTensor&, TensorShape&)>
 struct Changed : OpacityTensor {
-    cell_data finish(const Cell& cell, const draft& d, std::vector<pool_element>& pool) const {
+    stand_in_data finish(const Cell& cell, const stand_in_draft& d) const {
         const TensorFit fit(d, cell, closed_surfaces);
         if (fit.is_empty()) return {};
         TensorShape shape = fit.shape(counts_overlap);
         change(*this, shape);
-        shape.error = OpacityTensor::finish(cell, d, pool).error() - 0.5f / 255;  // is rounded up again
-        return PackedTensor(shape);
+        shape.error = OpacityTensor::finish(cell, d).error() - 0.5f / 255;  // is rounded up again
+        return StoredTensor(shape);
     }
 };
 
@@ -96,8 +96,7 @@ void without_tone(const OpacityTensor&, TensorShape& s) {
 /// Squares of the rectangles' areas.
 struct Squares : OpacityTensor {
     template <class Sink>
-    void stand_in(const cell_data& data, std::span<const pool_element> pool, const Cell& cell, const LocalView& view,
-                  Sink&& sink) const {
+    void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
         struct AsSquares {
             std::remove_reference_t<Sink>& to;
             float splat_limit_px;
@@ -107,13 +106,13 @@ struct Squares : OpacityTensor {
                 to(splat);
             }
         };
-        OpacityTensor::stand_in(data, pool, cell, view, AsSquares{sink, sink.splat_limit_px});
+        OpacityTensor::draw_stand_in(data, cell, view, AsSquares{sink, sink.splat_limit_px});
     }
 };
 
 /// As with ZBufferOptions{.deposits_small_triangles = false}: where no law is known, only cells are deposited.
 struct PointSampledTriangles : OpacityTensor {
-    std::optional<AreaLaw> law(const cell_data&) const { return {}; }
+    std::optional<AreaLaw> area_law(const stand_in_data&) const { return {}; }
 };
 
 template <class Ablated>
@@ -139,7 +138,7 @@ const std::vector<Method>& variants() {
                OpacityTensor{.closed_surfaces = true, .closed_sheet_gain = 1}),
         ablated<PointSampledTriangles>("small_triangles_point_sampled"),
         method("color_cube", ColorCube{}),
-        method("color_cube_guessing_laws", ColorCube{.guesses_law = true}),
+        method("color_cube_guessing_laws", ColorCube{.guesses_area_law = true}),
     };
     return all;
 }

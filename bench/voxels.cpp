@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "farfield/coverage/voxel_pyramid.hpp"
+#include "farfield/voxel/voxel_pyramid.hpp"
 #include "support/seconds.hpp"
 
 namespace farfield::bench {

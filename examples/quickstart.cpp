@@ -3,10 +3,11 @@
 #include <vector>
 
 #include "farfield/approximation/color_cube.hpp"
-#include "farfield/cost/triangle_count.hpp"
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/primitive/triangle.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 using namespace farfield;
 
@@ -18,7 +19,7 @@ int main() {
         grass.push_back({{root, root + glm::vec3(0.5f, 0, 0), tip}, {60, std::uint8_t(120 + i % 80), 40}});
     }
     using Hierarchy = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
-    const Hierarchy hierarchy = Hierarchy::build(std::span<const Triangle>(grass));
+    const Hierarchy hierarchy = build<Hierarchy>(grass);
 
     ZBufferRenderer renderer;  // or one of your own
     auto viewer = make_viewer(hierarchy, grass, renderer);

@@ -13,12 +13,13 @@
 
 #include "catch.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
-#include "farfield/raster/coverage_renderer.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
@@ -47,7 +48,7 @@ struct One {
 /// Keeps pieces too.
 struct PolygonRecorder : OrderRecorder {
     static constexpr RendererFacts facts{
-        .order = Order::front_to_back, .needs_ordering = Ordering::primitives, .draws_polygons = true};
+        .order = VisitOrder::front_to_back, .needs_ordering = OrderGuarantee::primitives, .draws_polygons = true};
     std::size_t pieces = 0;
 
     using OrderRecorder::draw;
@@ -63,7 +64,7 @@ struct PolygonRecorder : OrderRecorder {
 /// Pieces that back-to-front renderers get, nearest last.
 struct BackToFrontRecorder : PolygonRecorder {
     static constexpr RendererFacts facts{
-        .order = Order::back_to_front, .needs_ordering = Ordering::primitives, .draws_polygons = true};
+        .order = VisitOrder::back_to_front, .needs_ordering = OrderGuarantee::primitives, .draws_polygons = true};
 };
 
 struct Scene {
@@ -76,7 +77,7 @@ template <class H>
 class Built {
   public:
     explicit Built(const Scene& scene) : scene_(scene) {
-        for (const Triangles& t : scene_.bodies) hierarchies_.push_back(H::template build<Triangle>(t));
+        for (const Triangles& t : scene_.bodies) hierarchies_.push_back(build<H>(t));
     }
     std::vector<Instance<H, Triangle>> bodies() const {
         std::vector<Instance<H, Triangle>> result;
@@ -232,7 +233,7 @@ Image plain_picture(R& renderer, const std::vector<Instance<H, Triangle>>& bodie
     for (const auto& body : bodies) {
         const auto count = std::uint32_t(body.primitives.size());
         sources.push_back({body.primitives, {}, count, body.hierarchy->origin(), 0});
-        sources.back().id = renderer.page_in(sources.back());
+        sources.back().id = renderer.upload(sources.back());
     }
     renderer.begin_frame(outer);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -241,7 +242,7 @@ Image plain_picture(R& renderer, const std::vector<Instance<H, Triangle>>& bodie
         renderer.draw(sources[b], std::span<const Range>(&all, 1));
     }
     renderer.end_frame();
-    for (const auto& s : sources) renderer.page_out(s.id);
+    for (const auto& s : sources) renderer.release(s.id);
     return renderer.image();
 }
 
@@ -262,7 +263,7 @@ void check_order_of(const Scene& scene) {
     for (const View& view : views_of(whole, 64)) {
         const MergedFrameStats stats = viewer.frame(view);
         CHECK(stats.primitives == recorder.polygons.size());
-        if (Recorder::facts.order == Order::back_to_front)
+        if (Recorder::facts.order == VisitOrder::back_to_front)
             std::reverse(recorder.polygons.begin(), recorder.polygons.end());
         const OrderCheck check = check_order(recorder.polygons, view.camera.projection == Projection::perspective,
                                              radius, step, 300, ++seed);
@@ -305,7 +306,7 @@ TEST_CASE("bodies that meet look as a z-buffer shows them") {
 
 TEST_CASE("one body alone, wherever it is, looks as a viewer of it shows it") {
     const Triangles triangles = room();
-    const auto h = OctreeOfBsps::build<Triangle>(triangles, {.largest_leaf = 40});
+    const auto h = build<OctreeOfBsps>(triangles, {.partition = {.largest_leaf = 40}});
     const std::vector<View> views = views_of(BoxD{{-2, -1, -2}, {2.5, 1, 2}}, 96);
     Strict alone, merged;
     auto viewer = make_viewer(h, triangles, alone);
@@ -333,7 +334,7 @@ TEST_CASE("one body alone, wherever it is, looks as a viewer of it shows it") {
 
 TEST_CASE("bodies whose boxes do not meet are not cut") {
     const Triangles ball = colored(sphere({}, 1, 6, {}), 40), scattered = random_triangles(60, 41, 0.3f);
-    const Bsp h = Bsp::build<Triangle>(ball), other = Bsp::build<Triangle>(scattered);
+    const Bsp h = build<Bsp>(ball), other = build<Bsp>(scattered);
     std::vector<Instance<Bsp, Triangle>> bodies;
     for (int i = 0; i < 7; ++i) {
         const glm::vec3 at(2.5f * float(i), 0.3f * float(i % 3), float(i % 2));
@@ -372,7 +373,7 @@ TEST_CASE("a body that was placed is where it was placed") {
 
 TEST_CASE("no bodies, and bodies of nothing, show the background") {
     const Triangles nothing;
-    const Bsp h = Bsp::build<Triangle>(nothing);
+    const Bsp h = build<Bsp>(nothing);
     Strict renderer;
     const View view = looking({0, 0, 3});
     std::vector<Instance<Bsp, Triangle>> bodies;
@@ -386,7 +387,7 @@ TEST_CASE("no bodies, and bodies of nothing, show the background") {
 
 TEST_CASE("bodies that cannot be merged are refused by name") {
     const Triangles triangles = random_triangles(40, 42, 0.5f);
-    const Bsp strict = Bsp::build<Triangle>(triangles), loose = Bsp::build<Triangle>(triangles, {.max_depth = 2});
+    const Bsp strict = build<Bsp>(triangles), loose = build<Bsp>(triangles, {.partition = {.max_depth = 2}});
     REQUIRE(!loose.keeps_strict_order());
     PolygonRecorder recorder;
     const auto with = [&](const Bsp* h, std::span<const Triangle> primitives) {

@@ -9,10 +9,11 @@
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
-#include "farfield/geometry/triangle.hpp"
-#include "farfield/instance.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/primitive/instance.hpp"
+#include "farfield/primitive/triangle.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/viewer.hpp"
 #include "support/pictures.hpp"
@@ -98,7 +99,7 @@ static_assert(!BuildableFrom<ExactHierarchy, MisspeltBounds>);
 TEST_CASE("a type of one's own is drawn by its traits") {
     std::vector<Tile> tiles;
     for (int i = 0; i < 5; ++i) tiles.push_back(Tile(i));
-    const Cubes h = Cubes::build<Tile>(tiles);
+    const Cubes h = build<Cubes>(tiles);
     CHECK(h.whole_work().triangles == 10);
     const View view = looking_orthographic({2.5, 0.5, 3}, {2.5, 0.5, 0}, 5, 50);
     ZBufferRenderer renderer;
@@ -111,7 +112,7 @@ TEST_CASE("a type of one's own is drawn by its traits") {
 TEST_CASE("a type with bounds alone can be culled and handed over") {
     std::vector<BoundsOnly> boxes;
     for (int i = 0; i < 1000; ++i) boxes.push_back({{{float(i), 0, 0}, {float(i) + 0.5f, 1, 1}}});
-    const ExactHierarchy h = ExactHierarchy::build<BoundsOnly>(boxes);
+    const ExactHierarchy h = build<ExactHierarchy>(boxes);
     Recorder recorder;
     View view = looking_orthographic({500, 0.5, 3}, {500, 0.5, 0}, 100, 100);
     const FrameStats stats = make_viewer(h, boxes, recorder).frame(view);
@@ -139,7 +140,7 @@ TEST_CASE("boxes that are empty, or not finite, are refused whatever brings them
         std::vector<BoundsOnly> boxes(10, BoundsOnly{{{0, 0, 0}, {1, 1, 1}}});
         boxes[7].box = bad;
         try {
-            ExactHierarchy::build<BoundsOnly>(boxes);
+            build<ExactHierarchy>(boxes);
             FAIL_CHECK("was not refused");
         } catch (const std::invalid_argument& e) {
             CHECK(std::string(e.what()).find("primitive 7 ") != std::string::npos);
@@ -156,7 +157,7 @@ TEST_CASE("work that is no number is refused") {
         std::vector<Odd> boxes(10);
         for (Odd& b : boxes) b.box = {{0, 0, 0}, {1, 1, 1}};
         boxes[3].triangles = bad;
-        CHECK_THROWS_AS(ExactHierarchy::build<Odd>(boxes), std::invalid_argument);
+        CHECK_THROWS_AS(build<ExactHierarchy>(boxes), std::invalid_argument);
     }
 }
 

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "catch.hpp"
-#include "farfield/geometry/triangle.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/primitive/triangle.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "support/recorder.hpp"
 
 using namespace farfield;
@@ -59,7 +59,7 @@ struct KeepsNothing : Runs {
 struct MisspeltPageOut : Runs {
     static constexpr RendererFacts facts{.keeps_sources = true};
     template <class P>
-    std::uint32_t page_in(const Source<P>&) {
+    std::uint32_t upload(const Source<P>&) {
         return 0;
     }
     void pageout(std::uint32_t) {}
@@ -67,8 +67,8 @@ struct MisspeltPageOut : Runs {
 struct PageInGivesNothing : Runs {
     static constexpr RendererFacts facts{.keeps_sources = true};
     template <class P>
-    void page_in(const Source<P>&) {}
-    void page_out(std::uint32_t) {}
+    void upload(const Source<P>&) {}
+    void release(std::uint32_t) {}
 };
 struct MisspeltFaces : Runs {
     static constexpr RendererFacts facts{.draws_faces = true};
@@ -111,13 +111,14 @@ static_assert(!Renderer<WithoutRuns, Triangle> && !Renderer<WrongRuns, Triangle>
 static_assert(Renderer<TrianglesOnly, Triangle> && !Renderer<TrianglesOnly, VertexColoredTriangle>);
 static_assert(!Renderer<KeepsNothing, Triangle> && !Renderer<MisspeltPageOut, Triangle> &&
               !Renderer<PageInGivesNothing, Triangle>);
-static_assert(!KeepsSourcesIfStated<KeepsNothing, Triangle> && KeepsSourcesIfStated<Least, Triangle>);
-static_assert(!Renderer<MisspeltFaces, Triangle> && !DrawsFacesIfStated<MisspeltFaces>);
-static_assert(!Renderer<SplatsOfUnknownSize, Triangle> && !DrawsSplatsIfStated<SplatsOfUnknownSize>);
+static_assert(!detail::KeepsSourcesIfStated<KeepsNothing, Triangle> && detail::KeepsSourcesIfStated<Least, Triangle>);
+static_assert(!Renderer<MisspeltFaces, Triangle> && !detail::DrawsFacesIfStated<MisspeltFaces>);
+static_assert(!Renderer<SplatsOfUnknownSize, Triangle> && !detail::DrawsSplatsIfStated<SplatsOfUnknownSize>);
 static_assert(!Renderer<MisspeltHidden, Triangle> && !Renderer<HiddenPerhaps, Triangle> &&
-              !AnswersHiddenIfStated<MisspeltHidden>);
+              !detail::AnswersHiddenIfStated<MisspeltHidden>);
 static_assert(!Renderer<MisspeltDeposits, Triangle> && !Renderer<DepositsPerhaps, Triangle> &&
-              !Renderer<ChangesWhenAskedForDeposits, Triangle> && !DepositsPrimitivesIfStated<MisspeltDeposits>);
+              !Renderer<ChangesWhenAskedForDeposits, Triangle> &&
+              !detail::DepositsPrimitivesIfStated<MisspeltDeposits>);
 static_assert(Renderer<HiddenWithoutFlag, Triangle>, "a hook without its flag is not looked at");
 static_assert(!Renderer<Triangle, Triangle> && !Renderer<int, Triangle>);
 

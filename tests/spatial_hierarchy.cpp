@@ -10,7 +10,8 @@
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/viewer.hpp"
 #include "support/pictures.hpp"
@@ -153,10 +154,10 @@ TEST_CASE("levels to the last stand-in are counted right") {
             const NodeRef& n = nodes[i];
             if (deepest[n.index] < 0 && n.stand_in >= 0) deepest[n.index] = 0;
             if (n.index != n.parent && deepest[n.index] >= 0) {
-                const int reach = n.stand_in >= 0 ? int(h->nodes()[n.index].stand_in_reach) : 0;
+                const int reach = n.stand_in >= 0 ? int(h->nodes()[n.index].levels_replaced) : 0;
                 deepest[n.parent] = std::max(deepest[n.parent], std::max(deepest[n.index], reach) + 1);
             }
-            const int said = h->nodes()[n.index].levels_to_last_stand_in;
+            const int said = h->nodes()[n.index].stand_in_levels_below;
             wrong += said != (deepest[n.index] < 0 ? int(Node::nothing_below) : deepest[n.index]);
         }
         CHECK(wrong == 0);
@@ -206,14 +207,14 @@ TEST_CASE("the least error below a cell is a lower bound of every stand-in's err
             const LocalView local = local_view<Triangle>(triangles, view);
             for (const NodeRef& n : nodes) {
                 if (n.stand_in < 0) continue;
-                const float error =
-                    h->error_px(std::size_t(n.stand_in), n.cell, local) * detail::error_of_reach(h->nodes()[n.index]);
+                const float error = h->error_px(std::size_t(n.stand_in), n.cell, local) *
+                                    detail::error_of_replaced_levels(h->nodes()[n.index]);
                 not_a_number += std::isnan(error) || error < 0;
                 for (NodeRef at = n;; at = nodes[place[at.parent]]) {
-                    const float least = h->least_error_px(at.cell, h->nodes()[at.index].levels_to_last_stand_in, local);
+                    const float least = h->least_error_px(at.cell, h->nodes()[at.index].stand_in_levels_below, local);
                     not_a_number += std::isnan(least);
                     // A node's own stand-in is asked before the bound on what is below, whatever its reach.
-                    const bool is_below = at.index != n.index || h->nodes()[n.index].stand_in_reach == 0;
+                    const bool is_below = at.index != n.index || h->nodes()[n.index].levels_replaced == 0;
                     wrong += is_below && least > error * 1.00001f;  // single precision may round either way
                     if (at.index == 0) break;
                 }
@@ -255,9 +256,9 @@ TEST_CASE("the same input gives the same bytes") {
 TEST_CASE("building in place puts primitives into the order of the hierarchy and changes nothing else") {
     using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
     const Triangles triangles = mixed_triangles(4000, 48);
-    const Cubes apart = Cubes::build<Triangle>(triangles);
+    const Cubes apart = build<Cubes>(triangles);
     Triangles sorted = triangles;
-    const Cubes in_place = Cubes::build_in_place<Triangle>(sorted);
+    const Cubes in_place = build_in_place<Cubes>(sorted);
     CHECK(in_place.order().empty());
     REQUIRE(apart.order().size() == triangles.size());
     bool same = true;
@@ -279,7 +280,7 @@ TEST_CASE("building in place puts primitives into the order of the hierarchy and
 TEST_CASE("a hierarchy over nothing draws nothing") {
     using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
     const Triangles none;
-    for (const Cubes& h : {Cubes(), Cubes::build<Triangle>(none)}) {
+    for (const Cubes& h : {Cubes(), build<Cubes>(none)}) {
         CHECK(h.bounds().is_empty());
         CHECK(h.item_count() == 0);
         CHECK(h.root_stand_in() == nullptr);
@@ -297,7 +298,7 @@ TEST_CASE("copies of a hierarchy share its arrays and outlive it") {
     Hierarchy copy;
     const Node* where = nullptr;
     {
-        const Hierarchy h = Hierarchy::build<Triangle>(triangles);
+        const Hierarchy h = build<Hierarchy>(triangles);
         copy = h;
         where = h.nodes().data();
     }

@@ -10,7 +10,8 @@
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
@@ -238,7 +239,7 @@ TEST_CASE("a viewer refuses other primitives than the hierarchy was built from, 
 TEST_CASE("a renderer that blends back to front gets stand-ins after everything else, farthest first") {
     using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
     const Triangles triangles = random_triangles(8000, 109, 0.02f);
-    const Cubes h = Cubes::build<Triangle>(triangles);
+    const Cubes h = build<Cubes>(triangles);
     const View view = looking({7, 2, 5}, {0, 0, 0}, 256, 7.5f);
     BackToFrontRecorder reversed;
     Recorder straight;

@@ -13,6 +13,7 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/build.hpp"
 #include "farfield/measure/projected_rect.hpp"
 #include "report/picture.hpp"
 #include "scenes/gallery.hpp"
@@ -27,7 +28,7 @@ constexpr Rgba8 background{255, 0, 255, 255}, paper{255, 255, 255, 255};
 template <class Approximation>
 Image drawn(std::vector<Triangle> triangles, const View& view, const Approximation& approximation, int samples) {
     using Hierarchy = SpatialHierarchy<Octree, Approximation, TriangleCount>;
-    const auto hierarchy = Hierarchy::build_in_place(std::span<Triangle>(triangles), {}, approximation);
+    const auto hierarchy = build_in_place<Hierarchy>(triangles, {.approximation = approximation});
     ZBufferRenderer renderer({.samples = samples, .culls_back_faces = true});
     auto viewer = make_viewer(hierarchy, triangles, renderer);
     viewer.frame(view);

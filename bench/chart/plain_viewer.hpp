@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <stdexcept>
 
-#include "farfield/local_view.hpp"
+#include "farfield/view/local_view.hpp"
 #include "scenes/built_scene.hpp"
 #include "scenes/scene.hpp"
 #include "support/plain_loop.hpp"

@@ -24,7 +24,8 @@ AnyVariant any(const V& variant) {
     using Hierarchy = typename V::hierarchy_type;
     const auto build = [variant](const scenes::Scene& scene) -> std::unique_ptr<scenes::BuiltScene> {
         const auto partition = [&](std::size_t primitives) { return partition_for(variant, primitives); };
-        return std::make_unique<scenes::PlacedScene<Hierarchy>>(scene, partition, variant.approximation, variant.cost);
+        return std::make_unique<scenes::PlacedScene<Hierarchy>>(scene, partition, variant.approximation,
+                                                                variant.cost_model);
     };
     return {variant.name, Hierarchy::approximation_type::facts.stands_in, distance_measure(variant), build};
 }
@@ -34,7 +35,7 @@ AnyVariant any_with_masks(const V& variant) {
     AnyVariant result = any(variant);
     result.name += "+masks";
     result.renderer.kind = scenes::RendererKind::coverage;
-    if (V::hierarchy_type::ordering == Ordering::primitives) result.most_triangles = 200'000;
+    if (V::hierarchy_type::ordering == OrderGuarantee::primitives) result.most_triangles = 200'000;
     return result;
 }
 
@@ -57,7 +58,7 @@ std::vector<std::pair<std::size_t, AnyVariant>> variants_of_part<FARFIELD_VARIAN
         constexpr std::size_t first = first_place<Hierarchy>(static_cast<const List*>(nullptr));
         if constexpr (first % FARFIELD_VARIANT_PARTS == FARFIELD_VARIANT_PART) {
             const auto& variant = std::get<place>(list);
-            constexpr bool is_strict = Hierarchy::ordering == Ordering::primitives;
+            constexpr bool is_strict = Hierarchy::ordering == OrderGuarantee::primitives;
             if (!is_strict) ours.emplace_back(place, any(variant));
             if (is_strict || (is_drawn_with_masks(variant) &&
                               scenes::PlacedScene<Hierarchy>::obstacle(scenes::RendererKind::coverage).empty())) {

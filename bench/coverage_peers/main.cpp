@@ -13,10 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "farfield/build.hpp"
 #include "farfield/measure/image_error.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
-#include "farfield/raster/coverage_renderer.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
 #include "support/drawer.hpp"
 #include "support/office.hpp"
 #include "support/pair.hpp"
@@ -34,7 +35,7 @@ void measure(const Run& run) {
     using OctreeOfBsps = SpatialHierarchy<Nested<Octree, PolygonBsp>, Exact, TriangleCount>;
     const OfficePlan plan;
     const auto triangles = scenes::expanded(scenes::building(plan.options)).groups.back().triangles;
-    const auto hierarchy = OctreeOfBsps::build(std::span<const VertexColoredTriangle>(triangles));
+    const auto hierarchy = build<OctreeOfBsps>(triangles);
     const auto masks = drawer<StrictCoverageRenderer>(hierarchy, triangles, CoverageOptions{});
     const std::vector<View> views = run.some(plan.inside());
     [[maybe_unused]] const auto row = [&](const std::string& name, Drawer& peer, double wanted) {

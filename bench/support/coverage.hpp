@@ -1,7 +1,7 @@
 // What a picture without a background covers.
 #pragma once
 
-#include "farfield/raster/image.hpp"
+#include "farfield/image.hpp"
 
 namespace farfield::bench {
 

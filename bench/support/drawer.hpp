@@ -13,8 +13,8 @@
 #include "farfield/coverage/coverage_work.hpp"
 #include "farfield/geometry/box.hpp"
 #include "farfield/geometry/polygon.hpp"
-#include "farfield/geometry/triangle.hpp"
-#include "farfield/raster/image.hpp"
+#include "farfield/image.hpp"
+#include "farfield/primitive/triangle.hpp"
 #include "farfield/viewer.hpp"
 #include "pair.hpp"
 
@@ -80,12 +80,12 @@ class ListDrawer final : public RendererDrawer<R> {
     ListDrawer(const std::vector<P>& primitives, const Options& options)
         : RendererDrawer<R>(options), source_{.primitives = primitives, .order = {}} {
         source_.item_count = std::uint32_t(primitives.size());
-        source_.id = this->renderer_.page_in(source_);
+        source_.id = this->renderer_.upload(source_);
         Box bounds = Box::empty();
         for (const P& p : primitives) bounds.add(p.bounds());
         diagonal_ = glm::length(bounds.size());
     }
-    ~ListDrawer() override { this->renderer_.page_out(source_.id); }
+    ~ListDrawer() override { this->renderer_.release(source_.id); }
     FrameStats frame(const View& view) override {
         const LocalView local(view, glm::dvec3(0), diagonal_);
         this->renderer_.begin_frame(local);

@@ -12,10 +12,11 @@
 
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/primitive/triangle.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "seconds.hpp"
 #if __has_include("farfield/approximation/opacity_tensor.hpp")
@@ -49,7 +50,8 @@ class DrawingBy final : public Drawing {
     DrawingBy(std::span<const VertexColoredTriangle> triangles, bool is_closed, const Approximation& approximation)
         : triangles_(triangles.begin(), triangles.end()), is_closed_(is_closed) {
         const std::span<VertexColoredTriangle> in_place(triangles_);
-        built_.seconds = seconds([&] { hierarchy_ = Hierarchy::build_in_place(in_place, {}, approximation); });
+        built_.seconds =
+            seconds([&] { hierarchy_ = build_in_place<Hierarchy>(in_place, {.approximation = approximation}); });
         built_.bytes = hierarchy_.bytes();
         built_.nodes = hierarchy_.nodes().size();
         built_.stand_ins = hierarchy_.stand_ins().size();

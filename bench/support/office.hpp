@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "farfield/geometry/triangle.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/primitive/triangle.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/view.hpp"
 #include "scenes/building.hpp"
 #include "scenes/framing.hpp"

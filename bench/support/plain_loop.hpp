@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "farfield/geometry/triangle.hpp"
-#include "farfield/local_view.hpp"
+#include "farfield/primitive/triangle.hpp"
+#include "farfield/view/local_view.hpp"
 
 namespace farfield::bench {
 

@@ -8,9 +8,10 @@
 
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/catalog.hpp"
 #include "scenes/scene.hpp"
@@ -30,7 +31,7 @@ struct Built {
     double build_seconds = 0;
 
     explicit Built(std::vector<Primitive> p) : primitives(std::move(p)) {
-        build_seconds = seconds([&] { hierarchy = H::build_in_place(std::span<Primitive>(primitives)); });
+        build_seconds = seconds([&] { hierarchy = build_in_place<H>(primitives); });
     }
     double bytes_per_triangle() const { return double(hierarchy.bytes()) / double(primitives.size()); }
 };

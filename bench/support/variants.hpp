@@ -12,11 +12,11 @@
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
-#include "farfield/variants.hpp"
+#include "farfield/tuning/variants.hpp"
 #include "farfield/view.hpp"
 
 namespace farfield::bench {

@@ -7,12 +7,13 @@
 
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/measure/coverage_error.hpp"
 #include "farfield/measure/image_error.hpp"
 #include "farfield/partition/octree.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/primitive/triangle.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "mean_color_box.hpp"
 #include "median_split.hpp"
@@ -59,7 +60,7 @@ Drawn draw(const H& hierarchy, const std::vector<Triangle>& triangles, int sampl
 template <class P, class A, class C>
 auto hierarchy_of(const std::vector<Triangle>& triangles) {
     static_assert(Composable<P, A, C>);
-    return SpatialHierarchy<P, A, C>::build(std::span<const Triangle>(triangles));
+    return build<SpatialHierarchy<P, A, C>>(triangles);
 }
 
 template <class P, class A, class C>

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "farfield/policy.hpp"
+#include "farfield/cost_model.hpp"
 
 struct TriangleEnergy {
     // ---- Options.

@@ -4,10 +4,10 @@
 #include <variant>
 
 #include "farfield/approximation/color_cube.hpp"
-#include "farfield/cost/triangle_count.hpp"
-#include "farfield/geometry/triangle.hpp"
-#include "farfield/instance.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/primitive/instance.hpp"
+#include "farfield/primitive/triangle.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 
 using Hierarchy = farfield::SpatialHierarchy<farfield::Octree, farfield::ColorCube, farfield::TriangleCount>;

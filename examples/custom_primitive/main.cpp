@@ -8,7 +8,8 @@
 
 #include "ball.hpp"
 #include "brick.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/build.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "survey_quad.hpp"
 
@@ -45,7 +46,7 @@ Drawn draw(const Hierarchy& hierarchy, const std::vector<P>& primitives, const V
 
 template <class P>
 Hierarchy hierarchy_of(const std::vector<P>& primitives) {
-    return Hierarchy::build(std::span<const P>(primitives), {}, {}, {}, {}, GridSampler(DirectionalLight{}));
+    return build<Hierarchy>(primitives, {.sampler = DirectionalLight{}});
 }
 
 View look(glm::dvec3 eye, glm::dvec3 target) {

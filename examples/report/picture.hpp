@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <span>
 
-#include "farfield/raster/image.hpp"
+#include "farfield/image.hpp"
 
 namespace farfield::report {
 

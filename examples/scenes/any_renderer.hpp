@@ -10,7 +10,7 @@
 #include "farfield/coverage/coverage_work.hpp"
 #include "farfield/geometry/box.hpp"
 #include "farfield/geometry/polygon.hpp"
-#include "farfield/raster/image.hpp"
+#include "farfield/image.hpp"
 #include "farfield/renderer.hpp"
 #include "scenes/renderer_choice.hpp"
 
@@ -42,8 +42,8 @@ class AnyRenderer {
   public:
     virtual ~AnyRenderer() = default;
 
-    virtual std::uint32_t page_in(const AnySource& source) = 0;
-    virtual void page_out(std::uint32_t id) = 0;
+    virtual std::uint32_t upload(const AnySource& source) = 0;
+    virtual void release(std::uint32_t id) = 0;
     virtual void begin_frame(const LocalView& view) = 0;
     virtual void set_view(const LocalView& view) = 0;
     virtual void end_frame() = 0;
@@ -83,10 +83,10 @@ class RendererLike {
     const AnyRenderer& any() const { return *renderer_; }
 
     template <PrimitiveWithPolygons P>
-    std::uint32_t page_in(const Source<P>& source) {
-        return renderer_->page_in(AnySource(source));
+    std::uint32_t upload(const Source<P>& source) {
+        return renderer_->upload(AnySource(source));
     }
-    void page_out(std::uint32_t id) { renderer_->page_out(id); }
+    void release(std::uint32_t id) { renderer_->release(id); }
     void begin_frame(const LocalView& view) { renderer_->begin_frame(view); }
     void set_view(const LocalView& view) { renderer_->set_view(view); }
     void end_frame() { renderer_->end_frame(); }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "farfield/geometry/rgba8.hpp"
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/primitive/triangle.hpp"
 #include "scenes/sphere.hpp"
 
 namespace farfield::scenes {

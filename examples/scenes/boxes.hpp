@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "farfield/geometry/box.hpp"
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/primitive/triangle.hpp"
 #include "scenes/light.hpp"
 
 namespace farfield::scenes {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "farfield/raster/coverage_renderer.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
 #include "scenes/renderer_behind.hpp"
 
 namespace farfield::scenes {

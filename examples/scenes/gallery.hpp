@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/primitive/triangle.hpp"
 
 namespace farfield::scenes {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <variant>
 
-#include "farfield/geometry/triangle.hpp"
-#include "farfield/instance.hpp"
+#include "farfield/primitive/instance.hpp"
+#include "farfield/primitive/triangle.hpp"
 
 namespace farfield::scenes {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/primitive/triangle.hpp"
 
 namespace farfield::scenes {
 

@@ -11,10 +11,11 @@
 #include <string_view>
 #include <vector>
 
-#include "farfield/raster/coverage_renderer.hpp"
-#include "farfield/raster/hierarchical_z_renderer.hpp"
-#include "farfield/raster/painter_renderer.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/build.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
+#include "farfield/renderer/hierarchical_z_renderer.hpp"
+#include "farfield/renderer/painter_renderer.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/built_scene.hpp"
 #include "scenes/object.hpp"
@@ -96,7 +97,7 @@ class PlacedScene final : public BuiltScene {
     class Frames final : public SceneViewer {
       public:
         Frames(const Hierarchy& hierarchy, const std::vector<P>& primitives, const RendererChoice& choice)
-            : renderer_(make_renderer(choice, Renderer::facts.needs_ordering == Ordering::primitives)),
+            : renderer_(make_renderer(choice, Renderer::facts.needs_ordering == OrderGuarantee::primitives)),
               viewer_(hierarchy, std::span<const P>(primitives), renderer_) {}
         FrameStats frame(const View& view) override { return viewer_.frame(view); }
         const Image& image() const override { return renderer_.any().image(); }
@@ -151,10 +152,12 @@ class PlacedScene final : public BuiltScene {
                const Approximation& approximation, const CostModel& cost) {
         const auto begin = std::chrono::steady_clock::now();
         const Partition partition = partition_for(primitives.size());
-        if constexpr (Hierarchy::assignment == unique) {
-            group.hierarchy = Hierarchy::build_in_place(std::span<P>(primitives), partition, approximation, cost);
+        if constexpr (Hierarchy::assignment == Assignment::unique) {
+            group.hierarchy = build_in_place<Hierarchy>(
+                primitives, {.partition = partition, .approximation = approximation, .cost_model = cost});
         } else {
-            group.hierarchy = Hierarchy::build(std::span<const P>(primitives), partition, approximation, cost);
+            group.hierarchy = farfield::build<Hierarchy>(
+                primitives, {.partition = partition, .approximation = approximation, .cost_model = cost});
         }
         facts_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }

@@ -29,13 +29,13 @@ class RendererBehind final : public AnyRenderer {
     template <class Options>
     explicit RendererBehind(const Options& options) : renderer_(options) {}
 
-    std::uint32_t page_in(const AnySource& source) override {
+    std::uint32_t upload(const AnySource& source) override {
         std::vector<AnyItem> items;
         items.reserve(source.item_count());
         for (std::uint32_t i = 0; i < source.item_count(); ++i) items.push_back({&source, i});
-        return renderer_.page_in(Source<AnyItem>{items, {}, source.item_count()});
+        return renderer_.upload(Source<AnyItem>{items, {}, source.item_count()});
     }
-    void page_out(std::uint32_t id) override { renderer_.page_out(id); }
+    void release(std::uint32_t id) override { renderer_.release(id); }
     void begin_frame(const LocalView& view) override { renderer_.begin_frame(view); }
     void set_view(const LocalView& view) override { renderer_.set_view(view); }
     void end_frame() override { renderer_.end_frame(); }

@@ -1,6 +1,6 @@
-#include "farfield/raster/hierarchical_z_renderer.hpp"
-#include "farfield/raster/painter_renderer.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/renderer/hierarchical_z_renderer.hpp"
+#include "farfield/renderer/painter_renderer.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "scenes/coverage_renderers.hpp"
 
 namespace farfield::scenes {

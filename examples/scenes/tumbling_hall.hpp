@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/primitive/triangle.hpp"
 #include "farfield/view.hpp"
 #include "scenes/scene.hpp"
 

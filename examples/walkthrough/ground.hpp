@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/primitive/triangle.hpp"
 #include "frame_of_reference.hpp"
 #include "scenes/scene.hpp"
 

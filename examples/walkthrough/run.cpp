@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "farfield/build.hpp"
 #include "farfield/measure/projected_rect.hpp"
 #include "report/picture.hpp"
 #include "report/progress.hpp"

@@ -1,6 +1,6 @@
 // The variants that are one type and differ in their options.
 #include "farfield/approximation/color_cube.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "recipe.hpp"
 

@@ -1,5 +1,5 @@
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"

@@ -25,18 +25,18 @@
 #include <string>
 #include <vector>
 
-#include "farfield/body_frame.hpp"
-#include "farfield/body_walker.hpp"
-#include "farfield/fingerprint.hpp"
-#include "farfield/instance.hpp"
-#include "farfield/region_division.hpp"
-#include "farfield/source_table.hpp"
+#include "farfield/frame/source_table.hpp"
+#include "farfield/hierarchy/fingerprint.hpp"
+#include "farfield/merged_viewer/body_frame.hpp"
+#include "farfield/merged_viewer/body_walker.hpp"
+#include "farfield/merged_viewer/split_region.hpp"
+#include "farfield/primitive/instance.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 
 namespace farfield {
 
 template <class H>
-concept CutForStrictOrder = H::assignment == clipped&& H::ordering == Ordering::primitives;
+concept CutForStrictOrder = H::assignment == Assignment::clipped&& H::ordering == OrderGuarantee::primitives;
 template <class P>
 concept HasNoInstances = !PrimitiveWithInstance<P>;
 template <class R>
@@ -90,13 +90,13 @@ class MergedViewer {
         walker_.begin_frame();
         const LocalView outer = outermost(view);
         renderer_.begin_frame(outer);
-        met_.clear();
+        region_parts_.clear();
         for (std::uint32_t b = 0; b < bodies_.size(); ++b) {
             const H& h = *bodies_[b].hierarchy;
             walker_.add_view(outer.inside(bodies_[b].to_world, origin(), h.origin()));
-            if (h.item_count() != 0) met_.push_back(walker_.whole(b));
+            if (h.item_count() != 0) region_parts_.push_back(walker_.whole(b));
         }
-        push(met_, nullptr);
+        push(region_parts_, nullptr);
         while (!regions_.empty()) draw_region();
         walker_.end_frame();
         stats_.touched_bytes += stats_.cells_visited * sizeof(Node);
@@ -154,19 +154,20 @@ class MergedViewer {
         const Region region = regions_.back();
         regions_.pop_back();
         walker_.clips.shrink(region.clips);
-        met_.assign(parts_.begin() + std::ptrdiff_t(region.first_part), parts_.end());
+        region_parts_.assign(parts_.begin() + std::ptrdiff_t(region.first_part), parts_.end());
         parts_.resize(region.first_part);
-        if (met_.size() > 1) {
+        if (region_parts_.size() > 1) {
             std::size_t left = 0;
-            for (std::size_t i = 0; i < met_.size(); ++i) {
-                if (met_[i].is_asked_for || walker_.may_be_seen(met_[i])) met_[left++] = met_[i];
+            for (std::size_t i = 0; i < region_parts_.size(); ++i) {
+                if (region_parts_[i].visibility_tested || walker_.may_be_seen(region_parts_[i]))
+                    region_parts_[left++] = region_parts_[i];
             }
-            met_.resize(left);
+            region_parts_.resize(left);
         }
-        if (met_.empty()) return;
-        if (met_.size() == 1) return walker_.draw(met_[0]);
+        if (region_parts_.empty()) return;
+        if (region_parts_.size() == 1) return walker_.draw(region_parts_[0]);
         ++stats_.regions;
-        if (const auto face = detail::separating_face(met_, walker_.frames())) {
+        if (const auto face = detail::separating_face(region_parts_, walker_.frames())) {
             divide_at_face(*face);
         } else {
             divide_largest();
@@ -175,18 +176,19 @@ class MergedViewer {
 
     /// Whether the side that a plane's normal points to is drawn first.
     bool front_is_first(std::uint32_t body, const PlaneInCell& plane) const {
-        return (plane.height(walker_.frame(body).view().viewpoint()) > 0) != (R::facts.order == Order::back_to_front);
+        return (plane.height(walker_.frame(body).view().viewpoint()) > 0) !=
+               (R::facts.order == VisitOrder::back_to_front);
     }
     static void ask_again(std::span<Part> parts) {
-        for (Part& part : parts) part.is_asked_for = false;
+        for (Part& part : parts) part.visibility_tested = false;
     }
 
     void divide_at_face(const detail::SeparatingFace& face) {
-        const Part part = met_[face.part];
+        const Part part = region_parts_[face.part];
         const PlaneInCell plane = detail::face_of_box(part.box, face.face, part.cell);
-        met_.erase(met_.begin() + std::ptrdiff_t(face.part));
+        region_parts_.erase(region_parts_.begin() + std::ptrdiff_t(face.part));
         detail::SidesOfPlane& sides = sides_[0];
-        detail::divide(met_, walker_.frames(), part.body, plane, walker_.clips, sides);
+        detail::divide(region_parts_, walker_.frames(), part.body, plane, walker_.clips, sides);
         sides.behind.push_back(part);
         const bool front_first = front_is_first(part.body, plane);
         std::vector<Part>& last = front_first ? sides.behind : sides.in_front;
@@ -199,19 +201,19 @@ class MergedViewer {
         const auto size = [&](const Part& part) {
             return glm::length(part.box.size()) * walker_.frame(part.body).view().scale;
         };
-        const auto largest =
-            std::max_element(met_.begin(), met_.end(), [&](const Part& a, const Part& b) { return size(a) < size(b); });
+        const auto largest = std::max_element(region_parts_.begin(), region_parts_.end(),
+                                              [&](const Part& a, const Part& b) { return size(a) < size(b); });
         own_ = *largest;
-        met_.erase(largest);
+        region_parts_.erase(largest);
         const H& h = *bodies_[own_.body].hierarchy;
         if (h.nodes()[own_.node].child_mask != 0) {
-            divide(h, h.partition_policy().cuts(own_.cell, h.data_of(own_.node)), 0, Sides{}, met_);
+            divide(h, h.partition_policy().cuts(own_.cell, h.data_of(own_.node)), 0, Sides{}, region_parts_);
             return;
         }
         // Any plane that its polygons lie in tells them from what is before and behind them.
         const PlaneInCell plane =
             detail::plane_of_polygons(h.fragments(), h.nodes()[own_.node].first_item, own_.end_item, own_.cell);
-        detail::divide(met_, walker_.frames(), own_.body, plane, walker_.clips, sides_[0]);
+        detail::divide(region_parts_, walker_.frames(), own_.body, plane, walker_.clips, sides_[0]);
         const bool front_first = front_is_first(own_.body, plane);
         std::vector<Part>& last = front_first ? sides_[0].behind : sides_[0].in_front;
         ask_again(last);
@@ -264,8 +266,8 @@ class MergedViewer {
     detail::BodyWalker<H, P, R> walker_;
     std::vector<Region> regions_;
     std::vector<Part> parts_;
-    std::vector<Part> met_;  ///< of the region at work
-    Part own_;               ///< the one that divides it
+    std::vector<Part> region_parts_;  ///< of the region at work
+    Part own_;                        ///< the one that divides it
     std::array<detail::SidesOfPlane, 3> sides_;
 };
 

@@ -17,9 +17,9 @@
 #include <span>
 #include <type_traits>
 
+#include "farfield/cost_model.hpp"
 #include "farfield/geometry/box.hpp"
 #include "farfield/geometry/polygon.hpp"
-#include "farfield/work.hpp"
 
 namespace farfield {
 

@@ -1,125 +1,122 @@
-// The heart of the house: a tree of cells over primitives it does not know, with something cheaper to draw in each.
+// The heart of the house: a tree of cells over primitives that it does not know, with something cheaper to draw in
+// each. What it is made by is build.hpp, what it is drawn by viewer.hpp, how it lasts storage/.
 //
 // Chamberlain, DeRose, Lischinski, Salesin, Snyder: Fast Rendering of Complex Environments Using a Spatial Hierarchy,
 // Graphics Interface 1996, and Technical Report UW-CSE-95-05-02 of 1995.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
+#include <type_traits>
 #include <utility>
-#include <vector>
 
-#include "farfield/fingerprint.hpp"
-#include "farfield/hierarchy_builder.hpp"
-#include "farfield/hierarchy_parts.hpp"
-#include "farfield/policy.hpp"
+#include "farfield/composition.hpp"
+#include "farfield/hierarchy/hierarchy_data.hpp"
 
 namespace farfield {
 
-/// Immutable after the build and cheap to copy: copies share the arrays. Any number of viewers on any number of threads
-/// may use one. It holds positions of primitives, never primitives: the span it was built from meets it again in
-/// the Viewer, unchanged.
-template <Partition P, Approximation A, CostModel C>
-requires Composable<P, A, C>
+/// Immutable and cheap to copy: copies share the arrays. Any number of viewers on any number of threads may use one. It
+/// holds positions of primitives, never primitives: the range it was built from meets it again in the Viewer,
+/// unchanged.
+template <Partition Partition_, Approximation A, CostModel C>
+requires Composable<Partition_, A, C>
 class SpatialHierarchy {
   public:
-    using partition_type = P;
+    using partition_type = Partition_;
     using approximation_type = A;
     using cost_model_type = C;
-    using node_data = typename P::node_data;
-    using cell_data = typename A::cell_data;
-    using pool_element = typename A::pool_element;
+    using node_data = typename Partition_::node_data;
+    using stand_in_data = typename A::stand_in_data;
+    using pool_element = pool_element_of<A>;
+    using Data = HierarchyData<Partition_, A>;
+    using Arrays = HierarchyArrays<Partition_, A>;
 
-    /// What partition and approximation agreed upon: unique where both can, for it makes one run of every subtree.
-    static constexpr Assignment assignment = (P::facts.offers & A::facts.accepts & unique) != 0    ? unique
-                                             : (P::facts.offers & A::facts.accepts & clipped) != 0 ? clipped
-                                                                                                   : shared;
+    static constexpr Assignment assignment = agreed_assignment<Partition_, A>;
     /// What front to back guarantees. Bounding boxes of cells may overlap where planes between them are oblique, so no
     /// stand-in is in order with the polygons in another cell.
-    static constexpr Ordering ordering =
-        A::facts.stands_in && P::facts.ordering > Ordering::cells ? Ordering::cells : P::facts.ordering;
+    static constexpr OrderGuarantee ordering = A::facts.stands_in && Partition_::facts.ordering > OrderGuarantee::cells
+                                                   ? OrderGuarantee::cells
+                                                   : Partition_::facts.ordering;
 
-    /// Over nothing; draws nothing.
-    SpatialHierarchy() : SpatialHierarchy(P{}, A{}, C{}, HierarchyParts<P, A>{.nodes = {Node{}}}) {}
+    /// A hierarchy over nothing, which draws nothing.
+    SpatialHierarchy() : SpatialHierarchy(Partition_{}, A{}, C{}, Data{.nodes = {Node{}}}) {}
 
-    /// Throws std::invalid_argument naming the first primitive whose bounding box is empty or not finite. Same input
-    /// and options give the same bytes, whatever the executor and its number of threads. `sampler` makes the colors of
-    /// stand-ins; give it the light that the renderer will have.
-    template <class Primitive, OrthographicSampler Sampler = GridSampler, class Executor = SerialExecutor>
-    requires BuildableFrom<SpatialHierarchy, Primitive>
-    static SpatialHierarchy build(std::span<const Primitive> primitives, P partition = {}, A approximation = {},
-                                  C cost = {}, const BuildOptions& options = {}, const Sampler& sampler = {},
-                                  const Executor& executor = {}) {
-        detail::HierarchyBuilder<P, A, C, Primitive, Sampler, Executor> builder(primitives, partition, approximation,
-                                                                                cost, sampler, options, executor);
-        return SpatialHierarchy(partition, approximation, cost, builder.build());
+    /// Wraps what was built.
+    SpatialHierarchy(const Partition_& partition, const A& approximation, const C& cost, Data data)
+        : partition_(partition), approximation_(approximation), cost_(cost), facts_(data.facts) {
+        const auto kept = std::make_shared<const Data>(std::move(data));
+        arrays_ = kept->arrays();
+        memory_ = kept;
     }
+    /// Wraps what lies in a file or a buffer; `memory` keeps the arrays alive.
+    SpatialHierarchy(const Partition_& partition, const A& approximation, const C& cost, const HierarchyFacts& facts,
+                     const Arrays& arrays, std::shared_ptr<const void> memory)
+        : partition_(partition),
+          approximation_(approximation),
+          cost_(cost),
+          facts_(facts),
+          arrays_(arrays),
+          memory_(std::move(memory)),
+          from_file_(true) {}
 
-    /// Likewise, and puts the primitives into the hierarchy's order, so that no list of indices is needed: four bytes a
-    /// primitive less, and runs read memory in a row. Only where every primitive is stored once.
-    template <class Primitive, OrthographicSampler Sampler = GridSampler, class Executor = SerialExecutor>
-    requires BuildableFrom<SpatialHierarchy, Primitive>
-    static SpatialHierarchy build_in_place(std::span<Primitive> primitives, P partition = {}, A approximation = {},
-                                           C cost = {}, const BuildOptions& options = {}, const Sampler& sampler = {},
-                                           const Executor& executor = {}) requires(assignment == unique) {
-        detail::HierarchyBuilder<P, A, C, Primitive, Sampler, Executor> builder(primitives, partition, approximation,
-                                                                                cost, sampler, options, executor);
-        HierarchyParts<P, A> parts = builder.build();
-        std::vector<Primitive> ordered;
-        ordered.reserve(primitives.size());
-        for (const std::uint32_t i : parts.order) ordered.push_back(std::move(primitives[i]));
-        std::move(ordered.begin(), ordered.end(), primitives.begin());
-        parts.order = {};
-        parts.fingerprint = detail::fingerprint_of(std::span<const Primitive>(primitives));
-        return SpatialHierarchy(partition, approximation, cost, std::move(parts));
-    }
-
-    const P& partition_policy() const { return partition_; }
+    const Partition_& partition_policy() const { return partition_; }
     const A& approximation_policy() const { return approximation_; }
     const C& cost_policy() const { return cost_; }
 
-    std::span<const Node> nodes() const { return nodes_; }
-    std::span<const std::uint32_t> order() const { return order_; }  ///< empty: positions are indices
-    std::span<const cell_data> stand_ins() const { return cell_data_; }
-    std::span<const pool_element> pool() const { return pool_; }
-    /// That data_of() will be asked about a node soon: in large trees it is far from the node itself.
-    void prefetch_data_of(std::uint32_t node) const {
-        if constexpr (!std::is_empty_v<node_data>) __builtin_prefetch(&node_data_[node]);
-    }
+    const HierarchyFacts& facts() const { return facts_; }
+    const Arrays& arrays() const { return arrays_; }
+
+    std::span<const Node> nodes() const { return arrays_.nodes; }
+    std::span<const std::uint32_t> order() const { return arrays_.order; }  ///< empty: positions are indices
+    std::span<const stand_in_data> stand_ins() const { return arrays_.stand_ins; }
+    std::span<const pool_element> pool() const { return arrays_.pool; }
+    std::span<const node_data> all_node_data() const { return arrays_.node_data; }
+    /// What positions hold where the partition cuts; empty elsewhere.
+    const Fragments& fragments() const { return arrays_.fragments; }
+
     node_data data_of(std::uint32_t node) const {
         if constexpr (std::is_empty_v<node_data>) {
             return {};
         } else {
-            return node_data_[node];
+            return arrays_.node_data[node];
         }
     }
-    std::span<const node_data> all_node_data() const { return node_data_; }
-    /// What positions hold where the partition cuts; empty elsewhere.
-    const Fragments& fragments() const { return fragments_; }
+    /// Tells that data_of() will be asked about a node soon: in large trees it is far from the node itself.
+    void prefetch_data_of(std::uint32_t node) const {
+        if constexpr (!std::is_empty_v<node_data>) __builtin_prefetch(arrays_.node_data.data() + node);
+    }
+
     /// Whether items, in the order of front_to_back, hide only what comes after them, from wherever they are seen, up
     /// to rounding. Instances count as solid boxes: ask their hierarchies too.
-    bool keeps_strict_order() const { return ordering == Ordering::primitives && report_.cells_out_of_order == 0; }
+    bool keeps_strict_order() const {
+        return ordering == OrderGuarantee::primitives && facts_.report.cells_out_of_order == 0;
+    }
 
     /// The root's stand-in or null.
-    const cell_data* root_stand_in() const { return root_has_stand_in_ ? cell_data_.data() : nullptr; }
-    const Cell& root_cell() const { return root_; }
-    const Box& bounds() const { return bounds_; }  ///< tight, local coordinates; empty over nothing
-    glm::dvec3 origin() const { return origin_; }  ///< of local coordinates, in the user's; 0 for single precision
-    std::uint32_t item_count() const { return item_count_; }
-    std::uint64_t primitive_count() const { return primitive_count_; }
-    std::uint64_t fingerprint() const { return fingerprint_; }
+    const stand_in_data* root_stand_in() const {
+        return facts_.root_has_stand_in != 0 ? arrays_.stand_ins.data() : nullptr;
+    }
+    const Cell& root_cell() const { return facts_.root; }
+    const Box& bounds() const { return facts_.bounds; }  ///< tight, local coordinates; empty over nothing
+    glm::dvec3 origin() const {
+        return facts_.origin;
+    }  ///< of local coordinates, in the user's; 0 for single precision
+    std::uint32_t item_count() const { return std::uint32_t(facts_.report.items); }
+    std::uint64_t primitive_count() const { return facts_.primitive_count; }
+    std::uint64_t fingerprint() const { return facts_.fingerprint; }
     bool is_from_file() const { return from_file_; }
-    const BuildReport& report() const { return report_; }
-    /// Of drawing every primitive.
-    const Work& whole_work() const { return work_; }
+    const BuildReport& report() const { return facts_.report; }
+    /// The work of drawing every primitive.
+    const Work& whole_work() const { return facts_.work; }
 
-    /// Of drawing it where it is small: what an instance of it costs.
+    /// The work of drawing it where it is small: what an instance of it costs.
     Work drawing_work() const {
-        Work w = work_;
+        Work w = facts_.work;
         if constexpr (A::facts.stands_in) {
-            if (root_has_stand_in_) w = approximation_.work(cell_data_[0]);
+            if (const stand_in_data* root = root_stand_in()) w = detail::work_of_stand_in(approximation_, *root);
         }
         w += {.cells = 1};
         return w;
@@ -127,90 +124,30 @@ class SpatialHierarchy {
 
     /// Nodes, stand-ins, item indices and fragments, in memory or in the file that is mapped.
     std::size_t bytes() const {
-        return nodes_.size_bytes() + node_data_.size() * stored_size<node_data> +
-               cell_data_.size() * stored_size<cell_data> + pool_.size() * stored_size<pool_element> +
-               order_.size_bytes() + fragments_.size_bytes();
+        return arrays_.nodes.size_bytes() + arrays_.node_data.size() * stored_size<node_data> +
+               arrays_.stand_ins.size() * stored_size<stand_in_data> + arrays_.pool.size() * stored_size<pool_element> +
+               arrays_.order.size_bytes() + arrays_.fragments.size_bytes();
     }
 
     /// Calls sink(Polygon) with the faces of the root's stand-in, colors not premultiplied; false if it has none.
     template <class Sink>
     bool root_polygons(Sink&& sink) const {
         if constexpr (A::facts.stands_in) {
-            if (root_has_stand_in_) approximation_.polygons(cell_data_[0], pool_, root_, sink);
+            const stand_in_data* root = root_stand_in();
+            if (root != nullptr) detail::stand_in_polygons(approximation_, *root, arrays_.pool, facts_.root, sink);
+            return root != nullptr;
         }
-        return root_has_stand_in_;
-    }
-
-    /// For storage/: wraps parts that were built, or that lie in memory which `memory` keeps alive.
-    SpatialHierarchy(const P& partition, const A& approximation, const C& cost, HierarchyParts<P, A> parts)
-        : partition_(partition), approximation_(approximation), cost_(cost) {
-        const auto kept = std::make_shared<const HierarchyParts<P, A>>(std::move(parts));
-        take_facts(*kept);
-        nodes_ = kept->nodes;
-        node_data_ = kept->node_data;
-        cell_data_ = kept->cell_data;
-        pool_ = kept->pool;
-        order_ = kept->order;
-        fragments_ = kept->fragments;
-        memory_ = kept;
-    }
-    struct MappedArrays {
-        std::span<const Node> nodes;
-        std::span<const node_data> data;
-        std::span<const cell_data> stand_ins;
-        std::span<const pool_element> pool;
-        std::span<const std::uint32_t> order;
-        Fragments fragments;
-        std::shared_ptr<const void> memory;
-    };
-    /// `facts` carries everything but the arrays.
-    SpatialHierarchy(const P& partition, const A& approximation, const C& cost, const HierarchyParts<P, A>& facts,
-                     MappedArrays arrays)
-        : partition_(partition), approximation_(approximation), cost_(cost) {
-        take_facts(facts);
-        nodes_ = arrays.nodes;
-        node_data_ = arrays.data;
-        cell_data_ = arrays.stand_ins;
-        pool_ = arrays.pool;
-        order_ = arrays.order;
-        fragments_ = arrays.fragments;
-        memory_ = std::move(arrays.memory);
-        from_file_ = true;
+        return false;
     }
 
   private:
-    void take_facts(const HierarchyParts<P, A>& parts) {
-        root_ = parts.root;
-        bounds_ = parts.bounds;
-        origin_ = parts.origin;
-        work_ = parts.work;
-        item_count_ = std::uint32_t(parts.report.items);
-        primitive_count_ = parts.primitive_count;
-        fingerprint_ = parts.fingerprint;
-        root_has_stand_in_ = parts.root_has_stand_in;
-        report_ = parts.report;
-    }
-
-    P partition_;
+    Partition_ partition_;
     A approximation_;
     C cost_;
+    HierarchyFacts facts_;
+    Arrays arrays_;
     std::shared_ptr<const void> memory_;
-    std::span<const Node> nodes_;
-    std::span<const node_data> node_data_;
-    std::span<const cell_data> cell_data_;
-    std::span<const pool_element> pool_;
-    std::span<const std::uint32_t> order_;
-    Fragments fragments_;
-    Cell root_;
-    Box bounds_ = Box::empty();
-    glm::dvec3 origin_{0};
-    Work work_;
-    std::uint32_t item_count_ = 0;
-    std::uint64_t primitive_count_ = 0;
-    std::uint64_t fingerprint_ = 0;
-    bool root_has_stand_in_ = false;
     bool from_file_ = false;
-    BuildReport report_;
 };
 
 }  // namespace farfield

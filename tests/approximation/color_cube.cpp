@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "support/pictures.hpp"
@@ -22,7 +23,7 @@ Cell cube_cell(float looseness = 1) {
     c.bounds_half = glm::vec3(looseness);
     return c;
 }
-ColorCube::draft sampled(const ColorCube& a, const Cell& cell, const Triangles& triangles) {
+ColorCube::stand_in_draft sampled(const ColorCube& a, const Cell& cell, const Triangles& triangles) {
     GridSampler sampler;
     return a.sample(
         cell,
@@ -93,8 +94,7 @@ TEST_CASE("what sticks out of a loose cell counts, up to the whole face", "[appr
         // A draft keeps what is beyond the face, for a neighbor lacks it; what is drawn ends at the face.
         const auto beyond = sampled({.samples = samples}, cube_cell(2), large);
         CHECK(beyond[0].a > 3);
-        std::vector<ColorCube::pool_element> pool;
-        CHECK(ColorCube{}.finish(cube_cell(2), beyond, pool)[0] == Rgba8{255, 255, 255, 255});
+        CHECK(ColorCube{}.finish(cube_cell(2), beyond)[0] == Rgba8{255, 255, 255, 255});
     }
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("sampled and analytic cubes agree where little overlaps", "[approximat
 
 TEST_CASE("an inner cube is front four over back four, then their mean", "[approximation]") {
     // By hand for the side that looks to +x: octants 1, 3, 5, 7 are in front, 0, 2, 4, 6 behind them.
-    std::array<ColorCube::draft, 8> octants{};
+    std::array<ColorCube::stand_in_draft, 8> octants{};
     const auto red = glm::vec4(0.5f, 0, 0, 0.5f), green = glm::vec4(0, 0.25f, 0, 0.25f), white = glm::vec4(1);
     octants[1][1] = red;
     octants[0][1] = white;
@@ -125,15 +125,15 @@ TEST_CASE("an inner cube is front four over back four, then their mean", "[appro
     octants[4][1] = green;
     // 1 over 0: (0.5, 0, 0, 0.5) + 0.5 white = (1, 0.5, 0.5, 1). 3 over 2: green. 5 over 4: green. 7 over 6: nothing.
     const glm::vec4 expected = (glm::vec4(1, 0.5f, 0.5f, 1) + green + green) * 0.25f;
-    std::vector<ChildDraft<ColorCube::draft>> children;
+    std::vector<ChildDraft<ColorCube::stand_in_draft>> children;
     const Cell cell = cube_cell();
     for (unsigned c : {0u, 1u, 3u, 4u}) children.push_back({c, &cell, &octants[c]});
-    ColorCube::draft own{};
+    ColorCube::stand_in_draft own{};
     ColorCube{}.merge(cell, own, children);
     CHECK(close(own[1], expected, 1e-6f));
     CHECK(close(own[0], glm::vec4(0), 0));
     // Seen from -x the same colors would lie the other way around.
-    std::array<ColorCube::draft, 8> turned{};
+    std::array<ColorCube::stand_in_draft, 8> turned{};
     for (unsigned c = 0; c < 8; ++c) turned[c][0] = octants[c][1];
     children.clear();
     for (unsigned c : {0u, 1u, 3u, 4u}) children.push_back({c, &cell, &turned[c]});
@@ -144,12 +144,12 @@ TEST_CASE("an inner cube is front four over back four, then their mean", "[appro
 
 TEST_CASE("eight opaque children make an opaque parent", "[approximation]") {
     for (const auto opacity : {ColorCube::Opacity::blended, ColorCube::Opacity::thresholded}) {
-        ColorCube::draft solid;
+        ColorCube::stand_in_draft solid;
         solid.fill(glm::vec4(0.2f, 0.4f, 0.6f, 1));
         const Cell cell = cube_cell();
-        std::vector<ChildDraft<ColorCube::draft>> children;
+        std::vector<ChildDraft<ColorCube::stand_in_draft>> children;
         for (unsigned c = 0; c < 8; ++c) children.push_back({c, &cell, &solid});
-        ColorCube::draft own{};
+        ColorCube::stand_in_draft own{};
         ColorCube{.opacity = opacity}.merge(cell, own, children);
         for (const glm::vec4& c : own) CHECK(close(c, solid[0], 1e-6f));
     }
@@ -157,12 +157,12 @@ TEST_CASE("eight opaque children make an opaque parent", "[approximation]") {
 
 TEST_CASE("cubes of 1995 add coverages of front and back and are opaque above the threshold", "[approximation]") {
     const ColorCube a{.opacity = ColorCube::Opacity::thresholded};
-    ColorCube::draft front{}, back{};
+    ColorCube::stand_in_draft front{}, back{};
     front[1] = glm::vec4(0.4f, 0, 0, 0.4f);
     back[1] = glm::vec4(0, 0.4f, 0, 0.4f);
     const Cell cell = cube_cell();
-    std::vector<ChildDraft<ColorCube::draft>> children{{1, &cell, &front}, {0, &cell, &back}};
-    ColorCube::draft own{};
+    std::vector<ChildDraft<ColorCube::stand_in_draft>> children{{1, &cell, &front}, {0, &cell, &back}};
+    ColorCube::stand_in_draft own{};
     a.merge(cell, own, children);
     CHECK(close(own[1], glm::vec4(0.1f, 0.1f, 0, 0.2f), 1e-6f));  // 0.4 + 0.4 on a quarter of the face
     // Never more than whole.
@@ -172,18 +172,17 @@ TEST_CASE("cubes of 1995 add coverages of front and back and are opaque above th
     a.merge(cell, own, children);
     CHECK(close(own[1], glm::vec4(0.2f, 0.05f, 0, 0.25f), 1e-6f));
 
-    std::vector<ColorCube::pool_element> pool;
-    ColorCube::draft d{};
+    ColorCube::stand_in_draft d{};
     d[0] = glm::vec4(0.3f, 0.15f, 0, 0.6f);
     d[1] = glm::vec4(0.2f, 0.1f, 0, 0.4f);
-    const auto data = a.finish(cell, d, pool);
+    const auto data = a.finish(cell, d);
     CHECK(data[0] == Rgba8{128, 64, 0, 255});
     CHECK(data[1] == Rgba8{0, 0, 0, 0});
-    CHECK(ColorCube{}.finish(cell, d, pool)[1] == Rgba8{51, 26, 0, 102});
+    CHECK(ColorCube{}.finish(cell, d)[1] == Rgba8{51, 26, 0, 102});
 }
 
 TEST_CASE("only faces that look at the viewer are drawn", "[approximation]") {
-    ColorCube::cell_data data;
+    ColorCube::stand_in_data data;
     data.fill({255, 255, 255, 255});
     Random random(21);
     for (int i = 0; i < 2000; ++i) {
@@ -195,7 +194,7 @@ TEST_CASE("only faces that look at the viewer are drawn", "[approximation]") {
         const LocalView view(v, {}, 5);
         std::vector<Face> faces;
         std::vector<Splat> splats;
-        ColorCube{}.stand_in(data, {}, cell, view, Sink{0, &faces, &splats});
+        ColorCube{}.draw_stand_in(data, cell, view, Sink{0, &faces, &splats});
         std::size_t expected = 0;
         for (int axis = 0; axis < 3; ++axis) {
             const float d = view.towards_viewer(cell.center)[axis];
@@ -219,7 +218,7 @@ TEST_CASE("a small cube's splat has the area and the color of the faces that are
         Cell cell = cube_cell();
         cell.half = glm::vec3(0.01f);
         cell.center = random.in_cube(0.2f);
-        ColorCube::cell_data data;
+        ColorCube::stand_in_data data;
         const int alpha = 1 + int(random.below(255));
         for (Rgba8& c : data) c = {std::uint8_t(alpha), std::uint8_t(alpha / 2), 0, std::uint8_t(alpha)};
         const View v = i % 2 ? looking(random.direction() * 5.0f, {0, 0, 0}, 100)
@@ -227,7 +226,7 @@ TEST_CASE("a small cube's splat has the area and the color of the faces that are
         const LocalView view(v, {}, 5);
         std::vector<Face> faces;
         std::vector<Splat> splats;
-        ColorCube{}.stand_in(data, {}, cell, view, Sink{2, &faces, &splats});
+        ColorCube{}.draw_stand_in(data, cell, view, Sink{2, &faces, &splats});
         REQUIRE(splats.size() == 1);
         CHECK(faces.empty());
         const glm::vec3 d = glm::normalize(view.towards_viewer(cell.center));
@@ -248,18 +247,17 @@ TEST_CASE("a small cube's splat has the area and the color of the faces that are
 
 TEST_CASE("what a cube's faces say about its contents: a surface is one from whichever side it is seen",
           "[approximation]") {
-    const ColorCube a{.guesses_law = true};
-    CHECK(!ColorCube{}.law({}));
+    const ColorCube a{.guesses_area_law = true};
+    CHECK(!ColorCube{}.area_law({}));
     const auto law = [&](const Triangles& triangles) {
-        std::vector<ColorCube::pool_element> pool;
-        return a.law(a.finish(cube_cell(), sampled(a, cube_cell(), triangles), pool));
+        return a.area_law(a.finish(cube_cell(), sampled(a, cube_cell(), triangles)));
     };
     const Rgba8 white{255, 255, 255, 255}, half{0, 0, 0, 128}, none{0, 0, 0, 0};
     CHECK(law(sheet({-1, -1, 0.1f}, {2, 0, 0}, {0, 2, 0}, 8, 8, white)) == AreaLaw::coherent);
     CHECK(law(sheet({-1, -1, -1}, {2, 0, 2}, {0, 2, 0}, 8, 8, white)) == AreaLaw::coherent);
     CHECK(law(random_triangles(40, 25, 0.1f)) == AreaLaw::independent);
     CHECK(law({}) == AreaLaw::independent);
-    CHECK(a.law({half, half, none, none, none, none}) == AreaLaw::mixed);
+    CHECK(a.area_law({half, half, none, none, none, none}) == AreaLaw::mixed);
 }
 
 TEST_CASE("no mass is lost where primitives stick out of loose cells", "[approximation]") {
@@ -271,7 +269,7 @@ TEST_CASE("no mass is lost where primitives stick out of loose cells", "[approxi
         total += 0.5 * glm::abs(glm::dvec3(glm::cross(t.vertices[1] - t.vertices[0], t.vertices[2] - t.vertices[0])));
     }
     using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
-    const Cubes h = Cubes::build<Triangle>(triangles, {.uniform_depth = 4});
+    const Cubes h = build<Cubes>(triangles, {.partition = {.uniform_depth = 4}});
     for (const std::uint32_t samples : {0u, 8u}) {
         const ColorCube a{.samples = samples};
         glm::dvec3 sum(0);
@@ -315,8 +313,8 @@ TEST_CASE("no mass is lost where primitives stick out of loose cells", "[approxi
 TEST_CASE("cubes made directly and composited agree on a wall", "[approximation]") {
     using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
     const Triangles triangles = sheet({-1, -1, 0.13f}, {2, 0, 0}, {0, 2, 0}, 40, 40, {200, 100, 50, 255});
-    const Cubes composited = Cubes::build<Triangle>(triangles),
-                direct = Cubes::build<Triangle>(triangles, {}, {.inner = ColorCube::Inner::direct});
+    const Cubes composited = build<Cubes>(triangles),
+                direct = build<Cubes>(triangles, {.approximation = {.inner = ColorCube::Inner::direct}});
     REQUIRE(composited.root_stand_in());
     REQUIRE(direct.root_stand_in());
     for (std::size_t side = 0; side < 6; ++side) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "farfield/sampler/grid_sampler.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
 
@@ -21,7 +22,7 @@ Cell cube_cell(float looseness = 1) {
 }
 template <unsigned K>
 struct Made {
-    typename ColorCubeCluster<K>::cell_data data;
+    typename ColorCubeCluster<K>::stand_in_data data;
     std::vector<typename ColorCubeCluster<K>::pool_element> pool;
 
     Made(const ColorCubeCluster<K>& a, const Cell& cell, const Triangles& triangles) {
@@ -61,7 +62,7 @@ TEST_CASE("a wall makes one layer of faces, where it is", "[approximation]") {
         std::vector<Face> faces;
         std::vector<Splat> splats;
         const LocalView view(looking({0, 0, 30}, {0, 0, 0}), {}, 5);
-        a.stand_in(made.data, made.pool, cell, view, Sink{0, &faces, &splats});
+        a.draw_stand_in(made.data, made.pool, cell, view, Sink{0, &faces, &splats});
         REQUIRE(faces.size() == across * across);
         double area = 0;
         for (const Face& f : faces) {
@@ -73,8 +74,8 @@ TEST_CASE("a wall makes one layer of faces, where it is", "[approximation]") {
         }
         CHECK(area == Approx(4.0 * looseness * looseness));
         faces.clear();
-        a.stand_in(made.data, made.pool, cell, LocalView(looking({0, 0, -30}, {0, 0, 0}), {}, 5),
-                   Sink{0, &faces, &splats});
+        a.draw_stand_in(made.data, made.pool, cell, LocalView(looking({0, 0, -30}, {0, 0, 0}), {}, 5),
+                        Sink{0, &faces, &splats});
         REQUIRE(faces.size() == across * across);
         CHECK(faces[0].side == 4);
         CHECK(faces[0].lower.z == Approx(0.5f));
@@ -110,7 +111,7 @@ TEST_CASE("faces of a cluster are never seen from behind", "[approximation]") {
                              5);
         std::vector<Face> faces;
         std::vector<Splat> splats;
-        a.stand_in(made.data, made.pool, cell, view, Sink{i % 2 ? 0.0f : 1e9f, &faces, &splats});
+        a.draw_stand_in(made.data, made.pool, cell, view, Sink{i % 2 ? 0.0f : 1e9f, &faces, &splats});
         for (const Face& f : faces) {
             const int axis = f.side / 2;
             const float towards = view.towards_viewer(f.lower)[axis];

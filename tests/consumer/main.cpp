@@ -4,10 +4,11 @@
 #include <vector>
 
 #include "farfield/approximation/color_cube.hpp"
-#include "farfield/cost/triangle_count.hpp"
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/primitive/triangle.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 
 int main() {
@@ -17,7 +18,7 @@ int main() {
         grass.push_back({{root, root + glm::vec3(0.5f, 0, 0), root + glm::vec3(0.2f, 1, 0.3f)}, {60, 160, 40, 255}});
     }
     using Hierarchy = farfield::SpatialHierarchy<farfield::Octree, farfield::ColorCube, farfield::TriangleCount>;
-    const auto hierarchy = Hierarchy::build(std::span<const farfield::Triangle>(grass));
+    const auto hierarchy = farfield::build<Hierarchy>(grass);
     farfield::ZBufferRenderer renderer;
     auto viewer = farfield::make_viewer(hierarchy, grass, renderer);
     const auto camera = farfield::Camera::perspective({50, 40, 900}, {50, 0, 50}, {0, 1, 0}, 0.5f);

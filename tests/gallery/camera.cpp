@@ -120,7 +120,7 @@ TEST_CASE("gallery: where the camera trembles only what is at the threshold may 
                     const FrameStats moved_stats = viewer->frame(there);
                     const double change = changed_px(image, renderer.image());
                     int reach = 0;
-                    for (const Node& node : h->nodes()) reach = std::max(reach, int(node.stand_in_reach));
+                    for (const Node& node : h->nodes()) reach = std::max(reach, int(node.levels_replaced));
                     const double side_px = double(tolerance) * std::ldexp(1.0, reach);
                     const double flip_px = 2 * 1.01 * side_px + 2;
                     const double way_px = tremble * double(local.focal_px) * 1.5;

@@ -2,7 +2,7 @@
 // that has an instance of each; nothing of the building is built again.
 #include "catch.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "scenes/placed_scene.hpp"
 #include "scenes/tumbling_hall.hpp"

@@ -6,7 +6,7 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
 #include "scenes/gallery.hpp"

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "catch.hpp"
+#include "farfield/build.hpp"
 #include "farfield/viewer.hpp"
 #include "gallery/subjects.hpp"
 #include "support/scenes.hpp"
@@ -135,12 +136,12 @@ TEMPLATE_LIST_TEST_CASE("gallery: in double precision ten thousand kilometers aw
                         "", HierarchiesByApproximation) {
     for (const Subject& subject : subjects(2000, {0.6f})) {
         const auto here = widened(subject.triangles, {});
-        const auto h = TestType::template build<WideTriangle>(here);
+        const auto h = build<TestType>(here);
         ZBufferRenderer a;
         auto near = make_viewer(h, here, a);
         for (const glm::dvec3 offset : {glm::dvec3(1e7, 1e7, 1e7), glm::dvec3(-1e7, 6.4e6, 12.5)}) {
             const auto there = widened(subject.triangles, offset);
-            const auto other = TestType::template build<WideTriangle>(there);
+            const auto other = build<TestType>(there);
             REQUIRE(other.nodes().size() == h.nodes().size());
             ZBufferRenderer b;
             auto far = make_viewer(other, there, b);

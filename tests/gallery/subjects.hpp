@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "farfield/cost/measured_time.hpp"
-#include "farfield/geometry/frustum.hpp"
+#include "farfield/cost_model/measured_time.hpp"
+#include "farfield/view/frustum.hpp"
 #include "scenes/gallery.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
@@ -93,7 +93,8 @@ inline bool is_known_to_turn(const Variant& variant, const Subject& subject) {
 
 /// What a viewer holds against the tolerance.
 inline float drawn_error_px(const AnyHierarchy& h, const NodeRef& node, const LocalView& view) {
-    return h.error_px(std::size_t(node.stand_in), node.cell, view) * detail::error_of_reach(h.nodes()[node.index]);
+    return h.error_px(std::size_t(node.stand_in), node.cell, view) *
+           detail::error_of_replaced_levels(h.nodes()[node.index]);
 }
 
 /// As a viewer that nothing is hidden from decides: the contract of Viewer, over what all_nodes finds. By index into

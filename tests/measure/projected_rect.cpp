@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "catch.hpp"
-#include "farfield/local_view.hpp"
+#include "farfield/view/local_view.hpp"
 #include "support/random.hpp"
 
 using namespace farfield;

@@ -1,6 +1,7 @@
 #include "farfield/partition/nested.hpp"
 
 #include "catch.hpp"
+#include "farfield/build.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/spatial_hierarchy.hpp"
@@ -15,13 +16,13 @@ using OctreeOfBsps = Nested<Octree, PolygonBsp>;
 using Hierarchy = SpatialHierarchy<OctreeOfBsps, Exact, TriangleCount>;
 
 Hierarchy built(const Triangles& triangles) {
-    return Hierarchy::build<Triangle>(triangles, {.largest_leaf = 12});
+    return build<Hierarchy>(triangles, {.partition = {.largest_leaf = 12}});
 }
 
 }  // namespace
 
 static_assert(Partition<OctreeOfBsps> && CutsItems<OctreeOfBsps> && sizeof(OctreeOfBsps::node_data) == 32);
-static_assert(Hierarchy::assignment == clipped && Hierarchy::ordering == Ordering::primitives);
+static_assert(Hierarchy::assignment == Assignment::clipped && Hierarchy::ordering == OrderGuarantee::primitives);
 
 TEST_CASE("polygons of an octree of BSPs come in strict order from everywhere") {
     for (const ClippedScene& scene : clipped_scenes()) {

@@ -8,7 +8,8 @@
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "support/scenes.hpp"
 
@@ -129,8 +130,8 @@ TEST_CASE("a loose cell's primitives stick out by half its side at most", "[part
 TEST_CASE("a uniform depth is kept to, and an adaptive tree ends at its limit", "[partition]") {
     const Triangles triangles = random_triangles(3000, 16, 0.01f);
     for (const std::uint32_t depth : {1u, 2u, 4u}) {
-        const auto h =
-            SpatialHierarchy<Octree, ColorCube, TriangleCount>::build<Triangle>(triangles, {.uniform_depth = depth});
+        const auto h = build<SpatialHierarchy<Octree, ColorCube, TriangleCount>>(
+            triangles, {.partition = {.uniform_depth = depth}});
         CHECK(h.report().levels == depth + 1);
         // Every cell above that is not empty is split.
         std::size_t inner = 0;
@@ -140,10 +141,11 @@ TEST_CASE("a uniform depth is kept to, and an adaptive tree ends at its limit", 
     }
     Triangles dense = triangles;
     for (int i = 0; i < 3000; ++i) dense.push_back(moved({triangles[std::size_t(i)]}, 1e-3f)[0]);
-    const auto shallow = SpatialHierarchy<Octree, ColorCube, TriangleCount>::build<Triangle>(dense, {.max_depth = 3});
+    const auto shallow =
+        build<SpatialHierarchy<Octree, ColorCube, TriangleCount>>(dense, {.partition = {.max_depth = 3}});
     CHECK(shallow.report().levels <= 4);
     CHECK(shallow.report().cells_at_depth_limit > 0);
-    CHECK(SpatialHierarchy<Octree, ColorCube, TriangleCount>::build<Triangle>(dense).report().levels > 4);
+    CHECK(build<SpatialHierarchy<Octree, ColorCube, TriangleCount>>(dense).report().levels > 4);
 }
 
 TEST_CASE("cells that single precision cannot tell apart are not split", "[partition]") {

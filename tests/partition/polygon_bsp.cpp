@@ -3,8 +3,9 @@
 #include <cstring>
 
 #include "catch.hpp"
-#include "farfield/instance.hpp"
-#include "farfield/parallel.hpp"
+#include "farfield/build.hpp"
+#include "farfield/executor.hpp"
+#include "farfield/primitive/instance.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "support/clipped.hpp"
 
@@ -66,37 +67,36 @@ std::vector<Thing> placed(const Bsp& h, const Triangles& triangles, const std::v
 }  // namespace
 
 static_assert(Partition<PolygonBsp> && CutsItems<PolygonBsp> && !PlacesItems<PolygonBsp>);
-static_assert(Bsp::assignment == clipped && Bsp::ordering == Ordering::primitives);
+static_assert(Bsp::assignment == Assignment::clipped && Bsp::ordering == OrderGuarantee::primitives);
 
 TEST_CASE("a BSP's polygons come in strict order from everywhere") {
     for (const ClippedScene& scene : clipped_scenes()) {
         INFO(scene.name);
-        check_strict_order(Bsp::build<Triangle>(scene.triangles), scene.triangles);
+        check_strict_order(build<Bsp>(scene.triangles), scene.triangles);
     }
 }
 
 TEST_CASE("a BSP's fragments have the area of what they were cut from") {
     for (const ClippedScene& scene : clipped_scenes()) {
         INFO(scene.name);
-        check_fragments(Bsp::build<Triangle>(scene.triangles), scene.triangles);
+        check_fragments(build<Bsp>(scene.triangles), scene.triangles);
     }
 }
 
 TEST_CASE("a BSP's fragments cover what was cut") {
     for (const ClippedScene& scene : clipped_scenes()) {
         INFO(scene.name);
-        check_pictures(Bsp::build<Triangle>(scene.triangles), scene.triangles);
+        check_pictures(build<Bsp>(scene.triangles), scene.triangles);
     }
 }
 
 TEST_CASE("any number of threads builds the same BSP") {
     for (const std::size_t count : {0u, 1u, 300u, 6000u}) {
         const Triangles triangles = mixed_triangles(count, 80);
-        const Bsp serial = Bsp::build<Triangle>(triangles);
+        const Bsp serial = build<Bsp>(triangles);
         for (const unsigned threads : {1u, 2u, 3u, 8u}) {
             INFO(count << " triangles, " << threads << " threads");
-            CHECK(
-                same(serial, Bsp::build<Triangle>(triangles, {}, {}, {}, {}, GridSampler(), ThreadExecutor(threads))));
+            CHECK(same(serial, build<Bsp>(triangles, {.executor = ThreadExecutor(threads)})));
         }
     }
 }
@@ -104,9 +104,9 @@ TEST_CASE("any number of threads builds the same BSP") {
 TEST_CASE("two triangles of one quadrilateral become one polygon") {
     const Rgba8 red{200, 0, 0, 255}, blue{0, 0, 200, 255};
     const glm::vec3 a(0, 0, 0), b(1, 0, 0), c(1, 1, 0.5f), d(0, 1, 0.5f);
-    const auto report = [](const Triangles& t) { return Bsp::build<Triangle>(t).report(); };
+    const auto report = [](const Triangles& t) { return build<Bsp>(t).report(); };
     const Triangles quadrilateral{{{a, b, c}, red}, {{a, c, d}, red}};
-    const Bsp h = Bsp::build<Triangle>(quadrilateral);
+    const Bsp h = build<Bsp>(quadrilateral);
     REQUIRE(h.item_count() == 1);
     CHECK(h.report().polygons_joined == 1);
     CHECK(h.order()[0] == 0);
@@ -136,7 +136,7 @@ TEST_CASE("quadrilaterals of more colors are joined where these are one linear c
     for (const int last : {100, 99, 101, 60}) {
         const std::vector<VertexColoredTriangle> t{{{a, b, c}, {gray(50), gray(80), gray(130)}},
                                                    {{a, c, d}, {gray(50), gray(130), gray(last)}}};
-        const Bsp h = Bsp::build<VertexColoredTriangle>(t);
+        const Bsp h = build<Bsp>(t);
         INFO(last);
         CHECK(h.report().polygons_joined == (last == 100 ? 1 : 0));
     }
@@ -158,7 +158,7 @@ TEST_CASE("rectangles on a grid are cut without any error") {
             triangles.push_back({{lower, lower + u + v, lower + v}, color});
             areas.push_back(double(glm::length(u)) * double(glm::length(v)));
         }
-        const Bsp h = Bsp::build<Triangle>(triangles);
+        const Bsp h = build<Bsp>(triangles);
         std::vector<double> after(areas.size());
         std::size_t off_the_grid = 0;
         for (std::uint32_t at = 0; at < h.item_count(); ++at) {
@@ -204,14 +204,14 @@ TEST_CASE("neighbors that share an edge are cut in the same points of it") {
 
 TEST_CASE("instances are told from one another and from polygons, whole") {
     const Triangles body = sphere({0, 0, 0}, 1, 8, {90, 90, 200, 255});
-    const Bsp inner = Bsp::build<Triangle>(body);
+    const Bsp inner = build<Bsp>(body);
     std::vector<Thing> things =
         placed(inner, body, {{-3, 0, 0}, {0, 0, 0.5}, {3, 0.4, 0}, {0.2, 3, 0}, {0, 3, 3}, {2.6, 2, 2}});
     for (const Triangle& t : sheet({-6, -1.5f, 6}, {12, 0, 0}, {0, 0, -12}, 2, 2, {})) things.push_back({t, {}});
     for (const Triangle& t : sheet({1.4f, -1.5f, 6}, {0, 0, -12}, {0, 6, 0}, 1, 1, {})) things.push_back({t, {}});
     // Around one of them, far from it.
     for (const Triangle& t : sphere({-3, 0, 0}, 1.9f, 6, {})) things.push_back({t, {}});
-    const Bsp h = Bsp::build<Thing>(std::span<const Thing>(things));
+    const Bsp h = build<Bsp>(things);
     CHECK(h.report().cells_out_of_order == 0);
     REQUIRE(h.keeps_strict_order());
     std::size_t whole = 0;
@@ -235,7 +235,7 @@ TEST_CASE("instances are told from one another and from polygons, whole") {
 
 TEST_CASE("what no plane tells from an instance is kept with it and counted, and strict renderers refuse it") {
     const Triangles body = sphere({0, 0, 0}, 1, 8, {});
-    const Bsp inner = Bsp::build<Triangle>(body);
+    const Bsp inner = build<Bsp>(body);
     std::vector<Thing> overlapping = placed(inner, body, {{0, 0, 0}, {0.7, 0.6, 0.5}, {5, 0, 0}});
     std::vector<Thing> pierced = placed(inner, body, {{0, 0, 0}, {5, 0, 0}});
     pierced.push_back({Triangle{{{{-4, 0.1f, -4}, {4, 0.2f, -4}, {0, 0.1f, 7}}}, {}}, {}});
@@ -243,20 +243,20 @@ TEST_CASE("what no plane tells from an instance is kept with it and counted, and
     OrderRecorder strict;
     ZBufferRenderer any;
     for (const auto* things : {&overlapping, &pierced}) {
-        const Bsp h = Bsp::build<Thing>(std::span<const Thing>(*things));
+        const Bsp h = build<Bsp>(*things);
         CHECK(h.report().cells_out_of_order == 1);
         CHECK(h.report().cells_that_cannot_be_told_apart == 1);
         CHECK_FALSE(h.keeps_strict_order());
         CHECK_NOTHROW(make_viewer(h, std::span<const Thing>(*things), any));
         CHECK_THROWS_AS(make_viewer(h, std::span<const Thing>(*things), strict), std::invalid_argument);
     }
-    CHECK_NOTHROW(make_viewer(Bsp::build<Thing>(std::span<const Thing>(apart)), std::span<const Thing>(apart), strict));
+    CHECK_NOTHROW(make_viewer(build<Bsp>(apart), std::span<const Thing>(apart), strict));
     // An instance of what does not keep its order.
-    const Bsp limited = Bsp::build<Triangle>(body, {.max_depth = 1});
+    const Bsp limited = build<Bsp>(body, {.partition = {.max_depth = 1}});
     CHECK(limited.report().cells_at_depth_limit > 0);
     CHECK_FALSE(limited.keeps_strict_order());
     const std::vector<Thing> outer = placed(limited, body, {{0, 0, 0}});
-    const Bsp around = Bsp::build<Thing>(std::span<const Thing>(outer));
+    const Bsp around = build<Bsp>(outer);
     CHECK(around.keeps_strict_order());
     CHECK_THROWS_AS(make_viewer(around, std::span<const Thing>(outer), strict), std::invalid_argument);
 }
@@ -264,7 +264,7 @@ TEST_CASE("what no plane tells from an instance is kept with it and counted, and
 TEST_CASE("cells hold what is in them") {
     for (const ClippedScene& scene : clipped_scenes()) {
         INFO(scene.name);
-        const Bsp h = Bsp::build<Triangle>(scene.triangles);
+        const Bsp h = build<Bsp>(scene.triangles);
         std::size_t outside = 0;
         const auto visit = [&](const auto& self, std::uint32_t index, const Cell& cell, std::uint32_t end) -> void {
             const Node& node = h.nodes()[index];

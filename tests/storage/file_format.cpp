@@ -12,21 +12,18 @@ using namespace farfield::detail;
 namespace {
 
 struct NotTagged {
-    struct cell_data {};
-    struct pool_element {};
+    struct stand_in_data {};
     static constexpr ApproximationFacts facts{};
 };
 struct PaddedRecords {
-    struct cell_data {
+    struct stand_in_data {
         std::uint8_t a;
         std::uint32_t b;
     };
-    struct pool_element {};
     static constexpr ApproximationFacts facts{.file_tag = 1};
 };
 struct UncheckedPool {
-    struct cell_data {};
-    struct pool_element {};
+    struct stand_in_data {};
     static constexpr ApproximationFacts facts{.has_pool = true, .file_tag = 1};
 };
 struct NotTaggedCost {
@@ -51,23 +48,23 @@ TEST_CASE("what can be stored is stated by concepts") {
 
 // Byte by byte: whoever makes this test fail makes a new version of the format.
 TEST_CASE("version 2 lies in files like this") {
-    HierarchyParts<Octree, ColorCube> parts;
+    HierarchyData<Octree, ColorCube> parts;
     parts.nodes = {Node{1, 0, 1, 0b101, 0b100, 1, 0}, Node{0, 1, 0, 0, 0, 255, 0}, Node{0, 2, 0, 0, 0, 0, 0}};
-    parts.cell_data = {ColorCube::cell_data{Rgba8{1, 2, 3, 4}}, ColorCube::cell_data{Rgba8{5, 6, 7, 8}}};
+    parts.stand_ins = {ColorCube::stand_in_data{Rgba8{1, 2, 3, 4}}, ColorCube::stand_in_data{Rgba8{5, 6, 7, 8}}};
     parts.order = {2, 0, 1};
-    parts.root_has_stand_in = true;
-    parts.bounds = {{-1, -2, -3}, {1, 2, 3}};
-    parts.root = {{0, 0, 0}, {3, 3, 3}, {0, 0, 0}, {6, 6, 6}, 0, 0};
-    parts.origin = {100, 200, 300};
-    parts.work.triangles = 3;
-    parts.primitive_count = 3;
-    parts.fingerprint = 0x1122334455667788u;
-    parts.report.primitives = 3;
-    parts.report.items = 3;
-    parts.report.nodes = 3;
-    parts.report.polygons_joined = 11;
-    parts.report.polygons_without_area = 12;
-    parts.report.cells_out_of_order = 13;
+    parts.facts.root_has_stand_in = 1;
+    parts.facts.bounds = {{-1, -2, -3}, {1, 2, 3}};
+    parts.facts.root = {{0, 0, 0}, {3, 3, 3}, {0, 0, 0}, {6, 6, 6}, 0, 0};
+    parts.facts.origin = {100, 200, 300};
+    parts.facts.work.triangles = 3;
+    parts.facts.primitive_count = 3;
+    parts.facts.fingerprint = 0x1122334455667788u;
+    parts.facts.report.primitives = 3;
+    parts.facts.report.items = 3;
+    parts.facts.report.nodes = 3;
+    parts.facts.report.polygons_joined = 11;
+    parts.facts.report.polygons_without_area = 12;
+    parts.facts.report.cells_out_of_order = 13;
     const OctreeOfCubes h(Octree{.max_depth = 9}, ColorCube{.samples = 5, .inner = ColorCube::Inner::direct},
                           TriangleCount{}, parts);
     const TemporaryDirectory directory;

@@ -18,12 +18,13 @@
 
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/cost/triangle_count.hpp"
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/primitive/triangle.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/file_format.hpp"
 #include "farfield/viewer.hpp"
@@ -148,7 +149,8 @@ struct BasicHalfSplit {
         std::uint32_t axis = 0;
         float at = 0;
     };
-    static constexpr farfield::PartitionFacts facts{.ordering = farfield::Ordering::cells, .file_tag = 0x48530001u};
+    static constexpr farfield::PartitionFacts facts{.ordering = farfield::OrderGuarantee::cells,
+                                                    .file_tag = 0x48530001u};
 
     static farfield::Cell cell(const farfield::Box& b, unsigned depth) {
         const glm::vec3 center = b.center(), half = 0.5f * b.size();
@@ -188,42 +190,43 @@ using HalfSplit = BasicHalfSplit<true>;
 /// A color cube that is kept in the pool.
 struct PooledCube {
     farfield::ColorCube cube;
-    struct cell_data {
+    struct stand_in_data {
         std::uint32_t at;
     };
     using pool_element = std::array<farfield::Rgba8, 6>;
-    using draft = farfield::ColorCube::draft;
+    using stand_in_draft = farfield::ColorCube::stand_in_draft;
     static constexpr farfield::ApproximationFacts facts{
-        .needs = farfield::needs_polygons, .stands_in = true, .has_pool = true, .file_tag = 0x50430001u};
+        .needs_polygons = true, .stands_in = true, .merges_octants = true, .has_pool = true, .file_tag = 0x50430001u};
 
-    bool wants_all_contents(const farfield::PartitionFacts& f) const { return cube.wants_all_contents(f); }
+    bool merges_children() const { return cube.merges_children(); }
     template <class Contents, class Sampler>
-    draft sample(const farfield::Cell& c, Contents&& contents, Sampler& sampler) const {
+    stand_in_draft sample(const farfield::Cell& c, Contents&& contents, Sampler& sampler) const {
         return cube.sample(c, contents, sampler);
     }
-    void merge(const farfield::Cell& c, draft& d, std::span<const farfield::ChildDraft<draft>> children) const {
+    void merge(const farfield::Cell& c, stand_in_draft& d,
+               std::span<const farfield::ChildDraft<stand_in_draft>> children) const {
         cube.merge(c, d, children);
     }
-    cell_data finish(const farfield::Cell& c, const draft& d, std::vector<pool_element>& pool) const {
-        std::vector<farfield::ColorCube::pool_element> none;
-        pool.push_back(cube.finish(c, d, none));
+    stand_in_data finish(const farfield::Cell& c, const stand_in_draft& d, std::vector<pool_element>& pool) const {
+        pool.push_back(cube.finish(c, d));
         return {std::uint32_t(pool.size() - 1)};
     }
     farfield::Work expected_work() const { return cube.expected_work(); }
-    farfield::Work work(const cell_data&) const { return expected_work(); }
-    float error_px(const cell_data&, const farfield::Cell& c, const farfield::LocalView& v) const {
+    farfield::Work work(const stand_in_data&) const { return expected_work(); }
+    float error_px(const stand_in_data&, const farfield::Cell& c, const farfield::LocalView& v) const {
         return cube.error_px({}, c, v);
     }
     template <class Sink>
-    void stand_in(const cell_data& d, std::span<const pool_element> pool, const farfield::Cell& c,
-                  const farfield::LocalView& v, Sink&& sink) const {
-        cube.stand_in(pool[d.at], {}, c, v, sink);
+    void draw_stand_in(const stand_in_data& d, std::span<const pool_element> pool, const farfield::Cell& c,
+                       const farfield::LocalView& v, Sink&& sink) const {
+        cube.draw_stand_in(pool[d.at], c, v, sink);
     }
     template <class Sink>
-    void polygons(const cell_data& d, std::span<const pool_element> pool, const farfield::Cell& c, Sink&& sink) const {
-        cube.polygons(pool[d.at], {}, c, sink);
+    void polygons(const stand_in_data& d, std::span<const pool_element> pool, const farfield::Cell& c,
+                  Sink&& sink) const {
+        cube.polygons(pool[d.at], c, sink);
     }
-    bool is_sound(const cell_data& d, std::span<const pool_element> pool) const { return d.at < pool.size(); }
+    bool is_sound(const stand_in_data& d, std::span<const pool_element> pool) const { return d.at < pool.size(); }
 };
 
 using OctreeOfCubes = farfield::SpatialHierarchy<farfield::Octree, farfield::ColorCube, farfield::TriangleCount>;
@@ -239,5 +242,5 @@ using OctreeOfBspsOfCubes = farfield::SpatialHierarchy<farfield::Nested<farfield
 
 template <class H>
 H built(const std::vector<farfield::Triangle>& triangles) {
-    return H::build(std::span<const farfield::Triangle>(triangles));
+    return build<H>(triangles);
 }

@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "catch.hpp"
-#include "farfield/cost/measured_time.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/measured_time.hpp"
 #include "farfield/storage/save.hpp"
 #include "files.hpp"
 
@@ -26,7 +27,7 @@ void require_same(const H& a, const H& b) {
     CHECK(same_bytes(a.fragments().colors, b.fragments().colors));
     CHECK(a.keeps_strict_order() == b.keeps_strict_order());
     if constexpr (!std::is_empty_v<typename H::node_data>) CHECK(same_bytes(a.all_node_data(), b.all_node_data()));
-    if constexpr (!std::is_empty_v<typename H::cell_data>) CHECK(same_bytes(a.stand_ins(), b.stand_ins()));
+    if constexpr (!std::is_empty_v<typename H::stand_in_data>) CHECK(same_bytes(a.stand_ins(), b.stand_ins()));
     if constexpr (!std::is_empty_v<typename H::pool_element>) CHECK(same_bytes(a.pool(), b.pool()));
     CHECK(bytes_of(a.partition_policy()) == bytes_of(b.partition_policy()));
     CHECK(bytes_of(a.approximation_policy()) == bytes_of(b.approximation_policy()));
@@ -82,7 +83,7 @@ TEST_CASE("the hierarchy over nothing is opened") {
 TEST_CASE("primitives in the hierarchy's order need no list of it in the file") {
     const TemporaryDirectory directory;
     auto triangles = scene(2000);
-    const auto h = OctreeOfCubes::build_in_place(std::span(triangles));
+    const auto h = build_in_place<OctreeOfCubes>(triangles);
     save(h, directory / "h");
     const auto opened = open<OctreeOfCubes>(directory / "h");
     CHECK(opened.order().empty());
@@ -98,7 +99,8 @@ TEST_CASE("options of the policies come from the file") {
                          .inner = ColorCube::Inner::direct,
                          .opacity = ColorCube::Opacity::thresholded,
                          .coverage_threshold = 0.25f};
-    save(H::build(std::span<const Triangle>(triangles), {.max_depth = 5}, cube, {.splat = 1.5f}), directory / "h");
+    save(build<H>(triangles, {.partition = {.max_depth = 5}, .approximation = cube, .cost_model = {.splat = 1.5f}}),
+         directory / "h");
     const auto opened = open<H>(directory / "h");
     CHECK(opened.partition_policy().max_depth == 5);
     CHECK(opened.approximation_policy().samples == 3);

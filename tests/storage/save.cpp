@@ -3,6 +3,7 @@
 #include <new>
 
 #include "catch.hpp"
+#include "farfield/build.hpp"
 #include "farfield/storage/open.hpp"
 #include "files.hpp"
 
@@ -35,7 +36,7 @@ TEMPLATE_TEST_CASE("equal hierarchies give equal files", "", OctreeOfCubes, Shar
         std::memset(approximation_memory, fill, sizeof approximation_memory);
         const P& partition = *new (partition_memory) P{};
         const A& approximation = *new (approximation_memory) A{};
-        const TestType h = TestType::build(std::span<const Triangle>(triangles), partition, approximation);
+        const TestType h = build<TestType>(triangles, {.partition = partition, .approximation = approximation});
         save(h, directory / "h");
         const Bytes bytes = read_file(directory / "h");
         if (first.empty()) first = bytes;
@@ -82,7 +83,7 @@ TEST_CASE("what goes wrong while saving names the file and leaves nothing") {
 TEST_CASE("what could not be opened is not saved") {
     const TemporaryDirectory directory;
     // Deeper than a file may be.
-    HierarchyParts<Octree, Exact> parts;
+    HierarchyData<Octree, Exact> parts;
     for (std::uint32_t i = 0; i < most_levels_in_files; ++i) {
         parts.nodes.push_back({.first_child = i + 1, .child_mask = 1});
     }

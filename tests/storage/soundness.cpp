@@ -206,17 +206,17 @@ TEST_CASE("fragments that are none are found") {
 
 TEST_CASE("as deep as a file may be, a frame ends") {
     const TemporaryDirectory directory;
-    HierarchyParts<Octree, Exact> parts;
+    HierarchyData<Octree, Exact> parts;
     const auto triangles = scene(400);
     for (std::uint32_t i = 0; i < most_levels_in_files; ++i) {
         parts.nodes.push_back({.first_child = i + 1, .child_mask = 1});
     }
     parts.nodes.back() = {};
     for (std::uint32_t i = 0; i < triangles.size(); ++i) parts.order.push_back(i);
-    parts.root = {glm::vec3(0.5f), glm::vec3(0.5f), glm::vec3(0.5f), glm::vec3(1), 0, 0};
-    parts.bounds = {glm::vec3(0), glm::vec3(1)};
-    parts.primitive_count = parts.report.items = triangles.size();
-    parts.fingerprint = fingerprint_of(std::span<const Triangle>(triangles));
+    parts.facts.root = {glm::vec3(0.5f), glm::vec3(0.5f), glm::vec3(0.5f), glm::vec3(1), 0, 0};
+    parts.facts.bounds = {glm::vec3(0), glm::vec3(1)};
+    parts.facts.primitive_count = parts.facts.report.items = triangles.size();
+    parts.facts.fingerprint = fingerprint_of(std::span<const Triangle>(triangles));
     save(ExactOctree({}, {}, {}, parts), directory / "h");
     CHECK(opens_and_draws<ExactOctree>(directory / "h", triangles, true));
 }

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "farfield/coverage/coverage_tiler.hpp"
-#include "farfield/raster/image.hpp"
+#include "farfield/coverage/tiler/coverage_tiler.hpp"
+#include "farfield/image.hpp"
 #include "farfield/raster/shading.hpp"
 #include "support/random.hpp"
 

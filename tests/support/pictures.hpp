@@ -10,11 +10,11 @@
 #include <span>
 #include <string>
 
-#include "farfield/local_view.hpp"
+#include "farfield/image.hpp"
 #include "farfield/primitive.hpp"
-#include "farfield/raster/image.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/view.hpp"
+#include "farfield/view/local_view.hpp"
 
 namespace farfield::test {
 
@@ -45,7 +45,7 @@ Image plain_picture(std::span<const P> primitives, const View& view, const ZBuff
     const LocalView local = local_view(primitives, view, origin);
     ZBufferRenderer renderer(options);
     Source<P> source{primitives, {}, std::uint32_t(primitives.size()), origin, 0};
-    source.id = renderer.page_in(source);
+    source.id = renderer.upload(source);
     renderer.begin_frame(local);
     renderer.set_view(local);
     const Range all{0, source.item_count};

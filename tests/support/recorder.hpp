@@ -14,7 +14,7 @@ namespace farfield::test {
 
 struct Recording {
     struct Draw {
-        std::uint32_t source;  ///< as page_in numbered them
+        std::uint32_t source;  ///< as upload numbered them
         std::uint32_t primitive;
         glm::vec3 eye;  ///< of the view it is drawn in
         std::size_t faces_before;
@@ -51,10 +51,10 @@ class BasicRecorder : public Recording {
     static constexpr RendererFacts facts = stated;
 
     template <class P>
-    std::uint32_t page_in(const Source<P>&) {
+    std::uint32_t upload(const Source<P>&) {
         return std::uint32_t(paged_in++);
     }
-    void page_out(std::uint32_t) { ++paged_out; }
+    void release(std::uint32_t) { ++paged_out; }
     void begin_frame(const LocalView&) { ++frames; }
     void set_view(const LocalView& view) { views.push_back(view); }
     void end_frame() {}
@@ -85,8 +85,8 @@ using Recorder = BasicRecorder<RendererFacts{.keeps_sources = true,
                                              .answers_hidden = true,
                                              .deposits_primitives = true}>;
 /// Stand-ins come as faces, after everything else, back to front.
-using BackToFrontRecorder = BasicRecorder<RendererFacts{.order = Order::back_to_front,
-                                                        .far_field_order = Order::back_to_front,
+using BackToFrontRecorder = BasicRecorder<RendererFacts{.order = VisitOrder::back_to_front,
+                                                        .far_field_order = VisitOrder::back_to_front,
                                                         .keeps_sources = true,
                                                         .draws_faces = true}>;
 

@@ -8,7 +8,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/primitive/triangle.hpp"
 #include "support/random.hpp"
 
 namespace farfield::test {

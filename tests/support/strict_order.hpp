@@ -17,7 +17,8 @@ namespace farfield::test {
 /// Keeps the polygons of a frame as they come, in the camera's coordinates: right, up, depth.
 class OrderRecorder {
   public:
-    static constexpr RendererFacts facts{.order = Order::front_to_back, .needs_ordering = Ordering::primitives};
+    static constexpr RendererFacts facts{.order = VisitOrder::front_to_back,
+                                         .needs_ordering = OrderGuarantee::primitives};
     using CameraPolygon = std::vector<glm::dvec3>;
     std::vector<CameraPolygon> polygons;
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "farfield/geometry/box.hpp"
-#include "farfield/geometry/triangle.hpp"
+#include "farfield/primitive/triangle.hpp"
 
 namespace farfield::test {
 

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "farfield/geometry/triangle.hpp"
-#include "farfield/hierarchy_parts.hpp"
-#include "farfield/local_view.hpp"
-#include "farfield/policy.hpp"
-#include "farfield/raster/z_buffer_renderer.hpp"
+#include "farfield/composition.hpp"
+#include "farfield/hierarchy/hierarchy_data.hpp"
+#include "farfield/primitive/triangle.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/view/local_view.hpp"
 #include "support/recorder.hpp"
 
 namespace farfield::test {
@@ -68,9 +68,10 @@ struct Variant {
     bool is_shared = false;
     bool is_clipped = false;
     bool stands_in = false;
-    std::function<std::unique_ptr<AnyHierarchy>(std::span<const Triangle>, const BuildOptions&)> build_with;
+    std::function<std::unique_ptr<AnyHierarchy>(std::span<const Triangle>, std::uint64_t memory_budget_bytes)>
+        build_with;
 
-    std::unique_ptr<AnyHierarchy> build(std::span<const Triangle> triangles) const { return build_with(triangles, {}); }
+    std::unique_ptr<AnyHierarchy> build(std::span<const Triangle> triangles) const { return build_with(triangles, 0); }
 
     /// Pixels of a picture without stand-ins that differ from the plain loop's: none, but that corners of fragments are
     /// snapped to 1/256 sample, and that their normals are those of what rounding left of them.

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "farfield/build.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/viewer.hpp"
 #include "support/triples.hpp"
@@ -62,7 +63,8 @@ class HierarchyOver final : public AnyHierarchy {
     }
     float cost_of(std::size_t stand_in) const override {
         if constexpr (A::facts.stands_in) {
-            return cost(hierarchy_.approximation_policy().work(hierarchy_.stand_ins()[stand_in]));
+            return cost(farfield::detail::work_of_stand_in(hierarchy_.approximation_policy(),
+                                                           hierarchy_.stand_ins()[stand_in]));
         } else {
             return 0;
         }
@@ -79,7 +81,7 @@ class HierarchyOver final : public AnyHierarchy {
         add(hierarchy_.order());
         add(hierarchy_.fragments().first_vertex);
         add(hierarchy_.fragments().colors);
-        if constexpr (!std::is_empty_v<typename H::cell_data>) add(hierarchy_.stand_ins());
+        if constexpr (!std::is_empty_v<typename H::stand_in_data>) add(hierarchy_.stand_ins());
         if constexpr (!std::is_empty_v<typename H::pool_element>) add(hierarchy_.pool());
         return out;
     }
@@ -111,10 +113,11 @@ template <class... H>
 std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
     return {Variant{
         std::string(name_of(typename H::partition_type{})) + ", " + approximation + ", " + H::cost_model_type::unit,
-        H::assignment == shared, H::assignment == clipped, H::approximation_type::facts.stands_in,
-        [](std::span<const Triangle> triangles, const BuildOptions& options) {
+        H::assignment == Assignment::shared, H::assignment == Assignment::clipped,
+        H::approximation_type::facts.stands_in,
+        [](std::span<const Triangle> triangles, std::uint64_t memory_budget_bytes) {
             return std::unique_ptr<AnyHierarchy>(std::make_unique<HierarchyOver<H>>(
-                H::template build<Triangle>(triangles, {}, {}, {}, options), triangles));
+                build<H>(triangles, {.memory_budget_bytes = memory_budget_bytes}), triangles));
         }}...};
 }
 

@@ -13,8 +13,10 @@
 #include <glm/vec4.hpp>
 #include <utility>
 
+#include "farfield/drawables.hpp"
 #include "farfield/geometry/area_law.hpp"
-#include "farfield/renderer.hpp"
+#include "farfield/geometry/cell.hpp"
+#include "farfield/view/local_view.hpp"
 
 namespace farfield {
 /// Faces of a cell as a renderer gets them: which look at the viewer, how large they are to it.
@@ -44,20 +46,6 @@ inline Face face_of(const Cell& cell, unsigned side, Rgba8 premultiplied) {
     const int axis = int(side / 2);
     (side & 1 ? face.lower : face.upper)[axis] = (side & 1 ? face.upper : face.lower)[axis];
     return face;
-}
-
-/// A premultiplied face as a polygon that is not; nothing where nothing would be seen.
-template <class Sink>
-void emit_polygon(const Face& face, Sink&& sink) {
-    if (face.rgba.a == 0) return;
-    const int axis = face.side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-    std::array<glm::vec3, 4> corners{face.lower, face.lower, face.upper, face.lower};
-    corners[1][u] = face.upper[u];
-    corners[3][v] = face.upper[v];
-    if ((face.side & 1) == 0) std::swap(corners[1], corners[3]);  // counter-clockwise seen from outside
-    const glm::vec4 c = to_vec4(face.rgba);
-    const Rgba8 color = to_rgba8(glm::vec4(glm::vec3(c) / c.a, c.a));
-    sink(Polygon{corners, {&color, 1}, /*is_lit=*/true});
 }
 
 /// A lower bound, in pixels, of the projected side of cells `levels` below this one, each half as large as its parent.

@@ -14,8 +14,8 @@
 #include <span>
 #include <vector>
 
+#include "farfield/approximation.hpp"
 #include "farfield/approximation/cell_faces.hpp"
-#include "farfield/policy.hpp"
 
 namespace farfield {
 
@@ -36,34 +36,31 @@ struct ColorCube {
     float coverage_threshold = 0.5f;
     /// Children whose colors, each of its quarter of a face and front over back, differ by at most this from the cell's
     /// own are not kept: cells as large as the tolerance are drawn for cells of half that size. Below 0: all are kept.
-    float same_story = 2.0f / 255;
+    float redundancy_tolerance = 2.0f / 255;
     /// Whether primitives smaller than a sample are deposited by the law that faces' opacities suggest: far more
     /// accurate, but up to three times slower where a cell of a pixel holds but a few of them. (The papers draw them.)
-    bool guesses_law = false;
+    bool guesses_area_law = false;
 
     /// Premultiplied, of the whole face of the cell. Alpha may exceed 1 where loose contents lie side by side beyond
     /// it: a neighbor has that much less, and their parent is right again.
-    using draft = std::array<glm::vec4, 6>;
-    using cell_data = std::array<Rgba8, 6>;  ///< premultiplied; sides -x, +x, -y, +y, -z, +z
-    struct pool_element {};
-    static constexpr ApproximationFacts facts{.needs = needs_polygons,
+    using stand_in_draft = std::array<glm::vec4, 6>;
+    using stand_in_data = std::array<Rgba8, 6>;  ///< premultiplied; sides -x, +x, -y, +y, -z, +z
+    static constexpr ApproximationFacts facts{.needs_polygons = true,
                                               .stands_in = true,
+                                              .merges_octants = true,
                                               .bounds_error = true,
                                               .compares = true,
-                                              .knows_law = true,
+                                              .provides_area_law = true,
                                               .file_tag = 0x43430003u};
 
-    bool wants_all_contents(const PartitionFacts& partition) const {
-        // Four over four is a rule for octants; cells of other partitions are always drawn.
-        return inner == Inner::direct || !partition.halves;
-    }
+    bool merges_children() const { return inner == Inner::composited; }
 
     template <class Contents, OrthographicSampler Sampler>
-    draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
+    stand_in_draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
         return samples == 0 ? projected(cell, contents) : sampled(cell, contents, sampler);
     }
 
-    void merge(const Cell&, draft& own, std::span<const ChildDraft<draft>> children) const {
+    void merge(const Cell&, stand_in_draft& own, std::span<const ChildDraft<stand_in_draft>> children) const {
         const auto octants = octants_of(children);
         for (unsigned side = 0; side < 6; ++side) {
             glm::vec4 sum(0);
@@ -76,20 +73,21 @@ struct ColorCube {
         }
     }
 
-    bool reproduces(const Cell&, const draft& own, std::span<const ChildDraft<draft>> children) const {
+    bool reproduces(const Cell&, const stand_in_draft& own,
+                    std::span<const ChildDraft<stand_in_draft>> children) const {
         const auto octants = octants_of(children);
         for (unsigned side = 0; side < 6; ++side) {
             for (unsigned i = 0; i < 8; ++i) {
                 if (!is_front(i, side)) continue;
                 const glm::vec4 off = glm::abs(quarter(octants, side, i) - own[side]);
-                if (!(std::max({off.r, off.g, off.b, off.a}) <= same_story)) return false;
+                if (!(std::max({off.r, off.g, off.b, off.a}) <= redundancy_tolerance)) return false;
             }
         }
         return true;
     }
 
-    cell_data finish(const Cell&, const draft& d, std::vector<pool_element>&) const {
-        cell_data data;
+    stand_in_data finish(const Cell&, const stand_in_draft& d) const {
+        stand_in_data data;
         for (unsigned side = 0; side < 6; ++side) {
             const glm::vec4 c = d[side] * (d[side].a > 1 ? 1 / d[side].a : 1.0f);
             if (opacity == Opacity::blended) {
@@ -102,10 +100,10 @@ struct ColorCube {
     }
 
     Work expected_work() const { return {.splats = 1}; }
-    Work work(const cell_data&) const { return expected_work(); }
+    Work work(const stand_in_data&) const { return expected_work(); }
 
     /// The projected side of the cell (1995, section 3.1: cell size / distance < epsilon).
-    float error_px(const cell_data&, const Cell& cell, const LocalView& view) const {
+    float error_px(const stand_in_data&, const Cell& cell, const LocalView& view) const {
         return view.pixels(cell.largest_side(), view.distance_to(cell));
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
@@ -113,8 +111,8 @@ struct ColorCube {
     }
 
     /// Of the faces' mean opacity, weighted by itself: the faces that see a surface on edge say nothing about it.
-    std::optional<AreaLaw> law(const cell_data& data) const {
-        if (!guesses_law) return {};
+    std::optional<AreaLaw> area_law(const stand_in_data& data) const {
+        if (!guesses_area_law) return {};
         unsigned sum = 0, squares = 0;
         for (const Rgba8 c : data) sum += c.a, squares += unsigned(c.a) * c.a;
         return law_of_opacity(float(squares) / (255.0f * float(std::max(sum, 1u))));
@@ -122,15 +120,14 @@ struct ColorCube {
 
     /// The six faces, colors not premultiplied.
     template <class Sink>
-    void polygons(const cell_data& data, std::span<const pool_element>, const Cell& cell, Sink&& sink) const {
+    void polygons(const stand_in_data& data, const Cell& cell, Sink&& sink) const {
         for (unsigned side = 0; side < 6; ++side) emit_polygon(face_of(cell, side, data[side]), sink);
     }
 
     /// Up to three faces; or, of a cell too small to have a shape, one splat with their common area and color: visible
     /// faces of a convex body do not overlap, so their areas add up.
     template <class Sink>
-    void stand_in(const cell_data& data, std::span<const pool_element>, const Cell& cell, const LocalView& view,
-                  Sink&& sink) const {
+    void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
         const VisibleFaces faces(cell, view);
         if (!is_small(cell.center, cell.largest_side(), view, sink.splat_limit_px)) {
             for (int i = 0; i < faces.count; ++i) {
@@ -150,8 +147,8 @@ struct ColorCube {
     }
 
   private:
-    using Octants = std::array<const draft*, 8>;
-    static Octants octants_of(std::span<const ChildDraft<draft>> children) {
+    using Octants = std::array<const stand_in_draft*, 8>;
+    static Octants octants_of(std::span<const ChildDraft<stand_in_draft>> children) {
         Octants octants{};
         for (const auto& c : children) octants[c.child] = c.draft;
         return octants;
@@ -172,7 +169,7 @@ struct ColorCube {
     }
 
     template <class Contents, class Sampler>
-    draft sampled(const Cell& cell, Contents&& contents, Sampler& sampler) const {
+    stand_in_draft sampled(const Cell& cell, Contents&& contents, Sampler& sampler) const {
         // What sticks out of a loose cell is sampled too, or its mass would be lost: squares keep the size they have on
         // the cell's faces and the grid grows to the bounds.
         const Box bounds = cell.bounds();
@@ -182,7 +179,7 @@ struct ColorCube {
         thread_local std::vector<Rgba8> out;
         out.resize(grid.size());
         sampler.sample(grid, contents, std::span<Rgba8>(out));
-        draft d{};
+        stand_in_draft d{};
         const std::size_t squares = std::size_t(grid.n) * grid.n;
         const glm::vec3 square = bounds.size() * (1.0f / float(grid.n));
         for (unsigned s = 0; s < 6; ++s) {
@@ -207,8 +204,8 @@ struct ColorCube {
     }
 
     template <class Contents>
-    draft projected(const Cell& cell, Contents&& contents) const {
-        draft d{};
+    stand_in_draft projected(const Cell& cell, Contents&& contents) const {
+        stand_in_draft d{};
         contents([&](const Polygon& polygon) {
             glm::vec3 doubled_area(0);
             glm::vec4 color(0);

@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "farfield/approximation.hpp"
 #include "farfield/approximation/cell_faces.hpp"
-#include "farfield/policy.hpp"
 
 namespace farfield {
 
@@ -38,22 +38,17 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
         std::uint8_t r, g, b, a;  ///< premultiplied
     };
     static_assert(sizeof(pool_element) == 6);
-    struct cell_data {
+    struct stand_in_data {
         std::uint32_t first;                 ///< in the pool; the six lists follow one another
         std::array<std::uint16_t, 6> count;  ///< of faces that look to -x, +x, -y, +y, -z, +z
     };
-    using draft = std::array<std::vector<pool_element>, 6>;
-    static constexpr ApproximationFacts facts{.needs = needs_polygons,
-                                              .stands_in = true,
-                                              .has_pool = true,
-                                              .bounds_error = true,
-                                              .file_tag = 0x43430100u + K};
-
-    bool wants_all_contents(const PartitionFacts&) const { return true; }
+    using stand_in_draft = std::array<std::vector<pool_element>, 6>;
+    static constexpr ApproximationFacts facts{
+        .needs_polygons = true, .stands_in = true, .has_pool = true, .bounds_error = true, .file_tag = 0x43430100u + K};
 
     template <class Contents, OrthographicSampler Sampler>
-    draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
-        draft faces;
+    stand_in_draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
+        stand_in_draft faces;
         const unsigned cubes = cubes_a_side(cell);
         const SampleGrid grid{cell.bounds(), cubes * samples, cubes};
         thread_local std::vector<Rgba8> out;
@@ -86,10 +81,8 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
         return faces;
     }
 
-    void merge(const Cell&, draft&, std::span<const ChildDraft<draft>>) const {}
-
-    cell_data finish(const Cell&, const draft& d, std::vector<pool_element>& pool) const {
-        cell_data data{std::uint32_t(pool.size()), {}};
+    stand_in_data finish(const Cell&, const stand_in_draft& d, std::vector<pool_element>& pool) const {
+        stand_in_data data{std::uint32_t(pool.size()), {}};
         for (unsigned side = 0; side < 6; ++side) {
             data.count[side] = std::uint16_t(d[side].size());
             pool.insert(pool.end(), d[side].begin(), d[side].end());
@@ -101,7 +94,7 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     Work expected_work() const { return {.splats = float(K * K)}; }
     /// Half of the faces look at the viewer. Where samples met none of the contents they must not vanish: no price is
     /// high enough.
-    Work work(const cell_data& data) const {
+    Work work(const stand_in_data& data) const {
         float faces = 0;
         for (const std::uint16_t n : data.count) faces += float(n);
         if (faces == 0) return {.splats = std::numeric_limits<float>::infinity()};
@@ -109,7 +102,7 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     }
 
     /// The projected side of one small cube.
-    float error_px(const cell_data&, const Cell& cell, const LocalView& view) const {
+    float error_px(const stand_in_data&, const Cell& cell, const LocalView& view) const {
         return view.pixels(cell.largest_side() / K, view.distance_to(cell));
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
@@ -117,14 +110,14 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     }
 
     /// Of data read from a file: no list leaves the pool.
-    bool is_sound(const cell_data& data, std::span<const pool_element> pool) const {
+    bool is_sound(const stand_in_data& data, std::span<const pool_element> pool) const {
         std::uint64_t end = data.first;
         for (const std::uint16_t n : data.count) end += n;
         return end <= pool.size();
     }
 
     template <class Sink>
-    void polygons(const cell_data& data, std::span<const pool_element> pool, const Cell& cell, Sink&& sink) const {
+    void polygons(const stand_in_data& data, std::span<const pool_element> pool, const Cell& cell, Sink&& sink) const {
         for (unsigned side = 0; side < 6; ++side) {
             for_faces(data, pool, cell, side,
                       [&](const Cell& cube, Rgba8 c) { emit_polygon(face_of(cube, side, c), sink); });
@@ -132,8 +125,8 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     }
 
     template <class Sink>
-    void stand_in(const cell_data& data, std::span<const pool_element> pool, const Cell& cell, const LocalView& view,
-                  Sink&& sink) const {
+    void draw_stand_in(const stand_in_data& data, std::span<const pool_element> pool, const Cell& cell,
+                       const LocalView& view, Sink&& sink) const {
         const bool splats = is_small(cell.center, cell.largest_side() / K, view, sink.splat_limit_px);
         for (unsigned side = 0; side < 6; ++side) {
             for_faces(data, pool, cell, side, [&](const Cell& cube, Rgba8 c) {
@@ -156,8 +149,8 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     }
 
     template <class F>
-    static void for_faces(const cell_data& data, std::span<const pool_element> pool, const Cell& cell, unsigned side,
-                          F&& f) {
+    static void for_faces(const stand_in_data& data, std::span<const pool_element> pool, const Cell& cell,
+                          unsigned side, F&& f) {
         std::size_t first = data.first;
         for (unsigned s = 0; s < side; ++s) first += data.count[s];
         const float size = 1.0f / float(cubes_a_side(cell));

@@ -21,11 +21,11 @@
 #include <span>
 #include <vector>
 
+#include "farfield/approximation.hpp"
 #include "farfield/approximation/cell_faces.hpp"
-#include "farfield/approximation/packed_tensor.hpp"
-#include "farfield/approximation/tensor_draft.hpp"
-#include "farfield/geometry/clip_to_box.hpp"
-#include "farfield/policy.hpp"
+#include "farfield/approximation/opacity_tensor/area_sums.hpp"
+#include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
+#include "farfield/geometry/clip_triangle.hpp"
 
 namespace farfield {
 
@@ -45,18 +45,21 @@ struct OpacityTensor {
     /// surfaces more is needed, for no back sides close the gaps.
     float sheet_gain = 1.15f, closed_sheet_gain = 1.6f;
 
-    using draft = TensorDraft;
-    using cell_data = PackedTensor;
-    struct pool_element {};
-    static constexpr ApproximationFacts facts{
-        .needs = needs_polygons, .stands_in = true, .bounds_error = true, .knows_law = true, .file_tag = 0x4f540001u};
+    using stand_in_draft = TensorSums;
+    using stand_in_data = StoredTensor;
+    static constexpr ApproximationFacts facts{.needs_polygons = true,
+                                              .stands_in = true,
+                                              .merges_octants = true,
+                                              .bounds_error = true,
+                                              .provides_area_law = true,
+                                              .file_tag = 0x4f540001u};
 
-    /// Masks of children nest where cells are halved.
-    bool wants_all_contents(const PartitionFacts& partition) const { return !partition.halves; }
+    /// Children's masks nest in their parent's.
+    bool merges_children() const { return true; }
 
     template <class Contents, OrthographicSampler Sampler>
-    draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
-        draft d;
+    stand_in_draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
+        stand_in_draft d;
         contents([&](const Polygon& polygon) { add(d, cell, polygon, sampler); });
         if constexpr (!LightsPolygons<Sampler>) {
             // Its light is known from its pictures alone.
@@ -70,7 +73,7 @@ struct OpacityTensor {
         return d;
     }
 
-    void merge(const Cell& cell, draft& own, std::span<const ChildDraft<draft>> children) const {
+    void merge(const Cell& cell, stand_in_draft& own, std::span<const ChildDraft<stand_in_draft>> children) const {
         const Box bounds = cell.bounds();
         for (const auto& child : children) {
             AreaSums sums = child.draft->sums;
@@ -81,28 +84,28 @@ struct OpacityTensor {
         }
     }
 
-    cell_data finish(const Cell& cell, const draft& d, std::vector<pool_element>&) const {
+    stand_in_data finish(const Cell& cell, const stand_in_draft& d) const {
         const TensorFit fit(d, cell, closed_surfaces);
         if (fit.is_empty()) return {};
         TensorShape s = fit.shape(counts_overlap);
-        const TensorShape kept = PackedTensor(s).unpacked();
+        const TensorShape kept = StoredTensor(s).unpacked();
         s.error = fit.held_out_error([&](glm::vec3 w) { return seen_from(kept, w).area; });
-        return PackedTensor(s);
+        return StoredTensor(s);
     }
 
     Work expected_work() const { return {.splats = 1}; }
     /// What has no area must not vanish: no price is high enough.
-    Work work(const cell_data& data) const {
-        if (data == PackedTensor{}) return {.splats = std::numeric_limits<float>::infinity()};
+    Work work(const stand_in_data& data) const {
+        if (data == StoredTensor{}) return {.splats = std::numeric_limits<float>::infinity()};
         return expected_work();
     }
-    std::optional<AreaLaw> law(const cell_data& data) const { return data.law(); }
-    bool is_sound(const cell_data& data, std::span<const pool_element>) const { return data.is_sound(); }
+    std::optional<AreaLaw> area_law(const stand_in_data& data) const { return data.area_law(); }
+    bool is_sound(const stand_in_data& data) const { return data.is_sound(); }
 
     /// The projected side of the cell, for where in it something lies is lost, and as much again if it showed as much
     /// too much or too little as it could: measured when it was made, from directions that nothing was fitted to. Of a
     /// child it is never more.
-    float error_px(const cell_data& data, const Cell& cell, const LocalView& view) const {
+    float error_px(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
         return view.pixels(cell.largest_side(), view.distance_to(cell)) * (1 + data.error());
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
@@ -111,8 +114,7 @@ struct OpacityTensor {
 
     /// One splat; where the renderer has none, three faces that cross.
     template <class Sink>
-    void stand_in(const cell_data& data, std::span<const pool_element>, const Cell& cell, const LocalView& view,
-                  Sink&& sink) const {
+    void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
         const TensorShape s = data.unpacked();
         const float unit = tensor_unit(cell);
         const glm::vec3 center = center_of(s, cell), towards = view.towards_viewer(center);
@@ -139,7 +141,7 @@ struct OpacityTensor {
     /// Three rectangles that cross, each as opaque as the contents are along its normal: turned with an instance, their
     /// tensors add up as all others do.
     template <class Sink>
-    void polygons(const cell_data& data, std::span<const pool_element>, const Cell& cell, Sink&& sink) const {
+    void polygons(const stand_in_data& data, const Cell& cell, Sink&& sink) const {
         const TensorShape s = data.unpacked();
         for (int axis = 0; axis < 3; ++axis) emit_polygon(crossing_face(s, cell, axis, true), sink);
     }
@@ -155,7 +157,7 @@ struct OpacityTensor {
     }
 
     template <class Sampler>
-    void add(draft& d, const Cell& cell, const Polygon& polygon, const Sampler& sampler) const {
+    void add(stand_in_draft& d, const Cell& cell, const Polygon& polygon, const Sampler& sampler) const {
         const Box bounds = cell.bounds();
         const std::span<const Rgba8> colors = polygon.colors;
         const bool one_color = colors.size() < polygon.vertices.size();
@@ -201,8 +203,8 @@ struct OpacityTensor {
         return {normal, color.a, 0.5f * (front + back) * rgb, 0.5f * (front - back) * luminance(rgb)};
     }
 
-    static void add(draft& d, const Cell& cell, const Box& bounds, const glm::vec3 (&corners)[3], float opaque_area,
-                    const Surface& surface) {
+    static void add(stand_in_draft& d, const Cell& cell, const Box& bounds, const glm::vec3 (&corners)[3],
+                    float opaque_area, const Surface& surface) {
         for (const glm::vec3 p : corners) d.contents.add(p);
         d.masks.add(bounds, corners);
         const glm::vec3 n = surface.normal;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "farfield/coverage/coverage_pyramid.hpp"
-#include "farfield/coverage/surface.hpp"
+#include "farfield/coverage/polygons/surface.hpp"
 
 namespace farfield {
 

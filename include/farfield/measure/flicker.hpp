@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "farfield/image.hpp"
 #include "farfield/measure/pixel_rect.hpp"
-#include "farfield/raster/image.hpp"
 
 namespace farfield {
 

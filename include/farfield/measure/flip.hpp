@@ -17,10 +17,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "farfield/image.hpp"
 #include "farfield/measure/flip_colors.hpp"
 #include "farfield/measure/flip_filters.hpp"
 #include "farfield/measure/pixel_rect.hpp"
-#include "farfield/raster/image.hpp"
 
 namespace farfield {
 

@@ -9,8 +9,8 @@
 #include <limits>
 #include <optional>
 
+#include "farfield/image.hpp"
 #include "farfield/measure/pixel_rect.hpp"
-#include "farfield/raster/image.hpp"
 
 namespace farfield {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "farfield/raster/image.hpp"
+#include "farfield/image.hpp"
 
 namespace farfield {
 

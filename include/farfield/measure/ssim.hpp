@@ -14,8 +14,8 @@
 #include <optional>
 #include <vector>
 
+#include "farfield/image.hpp"
 #include "farfield/measure/pixel_rect.hpp"
-#include "farfield/raster/image.hpp"
 
 namespace farfield {
 

@@ -9,18 +9,18 @@
 #include <span>
 #include <type_traits>
 
-#include "farfield/policy.hpp"
+#include "farfield/partition.hpp"
 
 namespace farfield {
 
 template <class T>
-concept HalvesWithoutData = PlacesItems<T> && T::facts.halves&& std::is_empty_v<typename T::node_data>;
+concept OctantsWithoutData = PlacesItems<T> && T::facts.children_are_octants&& std::is_empty_v<typename T::node_data>;
 
 /// Cubes of Outer, cut at their median planes while they hold more than `largest_leaf` items and no more than every
 /// second one is cut (what is as large as its cube would be for ever), each divided on by Inner.
 /// What lies in a median plane goes to its upper side, which keeps Inner's order strict: seen from there it is among
 /// what is in front of the other side, seen from the other side it comes after it.
-template <HalvesWithoutData Outer, CutsItems Inner>
+template <OctantsWithoutData Outer, CutsItems Inner>
 struct Nested {
     Outer outer{};
     Inner inner{};
@@ -31,7 +31,7 @@ struct Nested {
         typename Inner::node_data inner;
         std::uint32_t is_inner;
     };
-    static constexpr PartitionFacts facts{.offers = clipped,
+    static constexpr PartitionFacts facts{.offers = Assignment::clipped,
                                           .ordering = Inner::facts.ordering,
                                           .splits_for_order = true,
                                           .file_tag = Inner::facts.file_tag ^ (Outer::facts.file_tag << 8 | 0x4e)};
@@ -102,11 +102,11 @@ struct Nested {
         for (const CuttingPlane& plane : median.planes) {
             const PlaneInCell in_cell(plane, cell);
             for (std::size_t i = 0; i < items.instances(); ++i) {
-                if (items.relation(i, plane, in_cell, cell) == Relation::crossing) return false;
+                if (items.relation(i, plane, in_cell, cell) == PlaneRelation::crossing) return false;
             }
             for (std::size_t k = 0; k < sampled; ++k) {
                 const std::size_t i = items.instances() + k * polygons / sampled;
-                cut += items.relation(i, plane, in_cell, cell) == Relation::crossing;
+                cut += items.relation(i, plane, in_cell, cell) == PlaneRelation::crossing;
             }
         }
         return 2 * cut <= sampled;

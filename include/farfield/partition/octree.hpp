@@ -9,7 +9,7 @@
 #include <glm/vec4.hpp>
 #include <span>
 
-#include "farfield/policy.hpp"
+#include "farfield/partition.hpp"
 
 namespace farfield {
 
@@ -23,7 +23,8 @@ namespace farfield {
 /// cost is shared among its cells. It costs broken runs and more indices; the bench has the figures.
 template <Assignment assigned>
 struct BasicOctree {
-    static_assert(assigned == unique || assigned == shared, "farfield::BasicOctree: an octree does not clip");
+    static_assert(assigned == Assignment::unique || assigned == Assignment::shared,
+                  "farfield::BasicOctree: an octree does not clip");
 
     /// Levels below the root; raising it lets crowded places be split further. Cells that single precision cannot tell
     /// apart are never split, whatever it says.
@@ -32,8 +33,10 @@ struct BasicOctree {
     std::uint32_t uniform_depth = 0;
 
     struct node_data {};
-    static constexpr PartitionFacts facts{
-        .offers = assigned, .ordering = Ordering::cells, .halves = true, .file_tag = 0x4f430000u + assigned};
+    static constexpr PartitionFacts facts{.offers = assigned,
+                                          .ordering = OrderGuarantee::cells,
+                                          .children_are_octants = true,
+                                          .file_tag = 0x4f430000u + static_cast<std::uint32_t>(assigned)};
 
     Cell root(const Box& bounds) const {
         if (bounds.is_empty()) return {};
@@ -53,7 +56,7 @@ struct BasicOctree {
 
     template <class Touches, class Emit>
     void place(const Cell& cell, const node_data& data, const Item& item, Touches&& touches, Emit&& emit) const {
-        if constexpr (assigned == unique) {
+        if constexpr (assigned == Assignment::unique) {
             if (item.bounds.largest_side() > cell.half.x) {
                 emit.keep();
             } else {
@@ -88,7 +91,7 @@ struct BasicOctree {
 
   private:
     static Cell cell(glm::vec3 center, glm::vec3 half, std::uint16_t depth) {
-        const float looseness = assigned == unique ? 2.0f : 1.0f;
+        const float looseness = assigned == Assignment::unique ? 2.0f : 1.0f;
         return {center, half, center, half * looseness, depth, 0};
     }
     static unsigned octant(const Cell& cell, glm::vec3 p) {
@@ -105,7 +108,7 @@ struct BasicOctree {
     }
 };
 
-using Octree = BasicOctree<unique>;
-using SharedOctree = BasicOctree<shared>;
+using Octree = BasicOctree<Assignment::unique>;
+using SharedOctree = BasicOctree<Assignment::shared>;
 
 }  // namespace farfield

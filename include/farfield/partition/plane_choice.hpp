@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "farfield/clipped_items.hpp"
+#include "farfield/geometry/cell_polygons.hpp"
 
 namespace farfield::detail {
 
@@ -171,14 +171,14 @@ class PlaneChoice {
         const PlaneInCell in_cell(plane, cell_);
         bool some_not_behind = false, some_not_in_front = false;
         for (std::size_t i = 0; i < items_.size(); ++i) {
-            const Relation relation = items_.relation(i, plane, in_cell, cell_);
+            const PlaneRelation relation = items_.relation(i, plane, in_cell, cell_);
             if (i < items_.instances()) {
-                if (relation == Relation::crossing) return false;
+                if (relation == PlaneRelation::crossing) return false;
             } else if (some_not_behind && some_not_in_front) {
                 return true;
             }
-            some_not_behind = some_not_behind || relation == Relation::in_front || relation == Relation::on;
-            some_not_in_front = some_not_in_front || relation == Relation::behind || relation == Relation::on;
+            some_not_behind = some_not_behind || relation == PlaneRelation::in_front || relation == PlaneRelation::on;
+            some_not_in_front = some_not_in_front || relation == PlaneRelation::behind || relation == PlaneRelation::on;
         }
         return some_not_behind && some_not_in_front;
     }

@@ -11,8 +11,8 @@
 #include <glm/vec4.hpp>
 #include <span>
 
+#include "farfield/partition.hpp"
 #include "farfield/partition/plane_choice.hpp"
-#include "farfield/policy.hpp"
 
 namespace farfield {
 
@@ -32,8 +32,10 @@ struct PolygonBsp {
         std::array<glm::u8vec3, 2> lower, upper;
     };
     static_assert(sizeof(node_data) == 28);
-    static constexpr PartitionFacts facts{
-        .offers = clipped, .ordering = Ordering::primitives, .splits_for_order = true, .file_tag = 0x42530001u};
+    static constexpr PartitionFacts facts{.offers = Assignment::clipped,
+                                          .ordering = OrderGuarantee::primitives,
+                                          .splits_for_order = true,
+                                          .file_tag = 0x42530001u};
     enum Child : unsigned { behind, on, in_front };
 
     Cell root(const Box& bounds) const {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "farfield/geometry/light.hpp"
-#include "farfield/local_view.hpp"
+#include "farfield/view/local_view.hpp"
 
 namespace farfield {
 

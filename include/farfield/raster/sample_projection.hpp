@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "farfield/local_view.hpp"
+#include "farfield/view/local_view.hpp"
 
 namespace farfield {
 

@@ -12,7 +12,7 @@
 //     cost_options            likewise
 //     nodes                   at least 1, the root first            16
 //     node_data               as many as nodes, or 0 if empty       sizeof Partition::node_data
-//     stand_ins               of nodes that have one, in order      sizeof Approximation::cell_data
+//     stand_ins               of nodes that have one, in order      sizeof Approximation::stand_in_data
 //     pool                    any number                            sizeof Approximation::pool_element
 //     order                   as many as items, or 0 if positions   4
 //                             are indices (build_in_place)
@@ -40,31 +40,34 @@ namespace farfield {
 
 /// Says whether place, child and front_to_back may be called with a node's data, so that a file made by a stranger
 /// cannot make them read elsewhere.
-template <class P>
-concept ChecksNodeData = requires(const P& p, const typename P::node_data& data) {
+template <class Partition_>
+concept ChecksNodeData = requires(const Partition_& p, const typename Partition_::node_data& data) {
     { p.is_sound(data) } -> std::same_as<bool>;
 };
 /// Says whether all that a stand-in refers to lies within the pool.
 template <class A>
-concept ChecksPool = requires(const A& a, const typename A::cell_data& data,
+concept ChecksPool = requires(const A& a, const typename A::stand_in_data& data,
                               std::span<const typename A::pool_element> pool) {
     { a.is_sound(data, pool) } -> std::same_as<bool>;
 };
-template <class P>
-concept ChecksNodeDataIfAny = std::is_empty_v<typename P::node_data> || ChecksNodeData<P>;
+namespace detail {
+template <class Partition_>
+concept ChecksNodeDataIfAny = std::is_empty_v<typename Partition_::node_data> || ChecksNodeData<Partition_>;
 template <class A>
 concept ChecksPoolIfAny = !A::facts.has_pool || ChecksPool<A>;
+}  // namespace detail
 
 /// Options are numbers alone; records have no padding either, for they are written as they lie in memory.
-template <class P>
+template <class Partition_>
 concept StorablePartition =
-    Partition<P> && std::default_initializable<P> && P::facts.file_tag != 0 &&
-    detail::MadeOfNumbers<P>&& detail::WithoutPadding<typename P::node_data>&& ChecksNodeDataIfAny<P>;
+    Partition<Partition_> && std::default_initializable<Partition_> && Partition_::facts.file_tag != 0 &&
+    detail::MadeOfNumbers<Partition_>&& detail::WithoutPadding<typename Partition_::node_data>&&
+        detail::ChecksNodeDataIfAny<Partition_>;
 
 template <class A>
 concept StorableApproximation = Approximation<A> && std::default_initializable<A> && A::facts.file_tag != 0 &&
-                                detail::MadeOfNumbers<A>&& detail::WithoutPadding<typename A::cell_data>&&
-                                    detail::WithoutPadding<typename A::pool_element>&& ChecksPoolIfAny<A>;
+                                detail::MadeOfNumbers<A>&& detail::WithoutPadding<typename A::stand_in_data>&&
+                                    detail::WithoutPadding<pool_element_of<A>>&& detail::ChecksPoolIfAny<A>;
 
 template <class C>
 concept StorableCostModel =
@@ -122,19 +125,6 @@ struct SectionEntry {
     std::uint64_t bytes() const { return count * record_bytes; }
 };
 
-/// All of HierarchyParts that is no array.
-struct StoredFacts {
-    glm::dvec3 origin{0};
-    std::uint64_t primitive_count = 0;
-    std::uint64_t fingerprint = 0;
-    BuildReport report;
-    Box bounds = Box::empty();
-    Cell root;
-    Work work;
-    std::uint32_t root_has_stand_in = 0;
-    std::uint32_t spare = 0;
-};
-
 struct FileHeader {
     std::array<std::uint8_t, 8> magic = file_magic;
     std::uint32_t version = file_version;
@@ -145,7 +135,7 @@ struct FileHeader {
     std::uint32_t cost_tag = 0;
     std::uint64_t file_bytes = 0;
     std::array<SectionEntry, section_count> sections{};
-    StoredFacts facts;
+    HierarchyFacts facts;
     std::uint64_t checksum = 0;  ///< XXH64 of what comes before it
 };
 
@@ -153,7 +143,7 @@ struct FileHeader {
 static_assert(sizeof(glm::vec3) == 12 && sizeof(glm::dvec3) == 24);
 static_assert(sizeof(Node) == 16 && sizeof(Cell) == 52 && sizeof(Work) == 28 && sizeof(BuildReport) == 72);
 static_assert(sizeof(FileHeader) == 624 && offsetof(FileHeader, checksum) == 616);
-static_assert(WithoutPadding<SectionEntry> && WithoutPadding<StoredFacts> && WithoutPadding<FileHeader>);
+static_assert(WithoutPadding<SectionEntry> && WithoutPadding<HierarchyFacts> && WithoutPadding<FileHeader>);
 
 constexpr std::uint64_t next_section(std::uint64_t offset) {
     return (offset + section_alignment - 1) / section_alignment * section_alignment;
@@ -167,7 +157,7 @@ constexpr std::array<std::uint64_t, section_count> record_bytes() {
             bytes_of_numbers<typename H::cost_model_type>(),
             sizeof(Node),
             stored_size<typename H::node_data>,
-            stored_size<typename H::cell_data>,
+            stored_size<typename H::stand_in_data>,
             stored_size<typename H::pool_element>,
             sizeof(std::uint32_t),
             sizeof(std::uint32_t),

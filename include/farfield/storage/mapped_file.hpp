@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #if __has_include(<sys/mman.h>) && __has_include(<unistd.h>)
 #define FARFIELD_MAPS_FILES 1
@@ -21,7 +23,6 @@
 #else
 #define FARFIELD_MAPS_FILES 0
 #include <fstream>
-#include <vector>
 #endif
 
 namespace farfield::detail {
@@ -39,6 +40,16 @@ struct FileBytes {
     std::shared_ptr<const void> memory;
     std::span<const std::byte> bytes;
 };
+
+struct alignas(64) FileLine {
+    std::byte bytes[64];
+};
+
+inline FileBytes aligned_copy(std::span<const std::byte> bytes) {
+    const auto lines = std::make_shared<std::vector<FileLine>>(bytes.size() / sizeof(FileLine) + 1);
+    if (!bytes.empty()) std::memcpy(lines->data(), bytes.data(), bytes.size());
+    return {lines, {reinterpret_cast<const std::byte*>(lines->data()), bytes.size()}};
+}
 
 /// Throws std::runtime_error, also for what is no regular file.
 inline FileBytes file_bytes(const std::filesystem::path& path) {
@@ -65,17 +76,14 @@ inline FileBytes file_bytes(const std::filesystem::path& path) {
     return {std::shared_ptr<const void>(start, [size](void* p) { ::munmap(p, size); }),
             {static_cast<const std::byte*>(start), size}};
 #else
-    struct alignas(64) Line {
-        std::byte bytes[64];
-    };
     std::error_code error;
     if (std::filesystem::is_directory(path, error)) refuse_file("open", path, "is a directory");
     const std::uintmax_t size = std::filesystem::file_size(path, error);
     if (error) refuse_file("open", path, error.message());
-    if (size > std::numeric_limits<std::size_t>::max() - sizeof(Line)) {
+    if (size > std::numeric_limits<std::size_t>::max() - sizeof(FileLine)) {
         refuse_file("open", path, "does not fit this machine's addresses");
     }
-    const auto lines = std::make_shared<std::vector<Line>>(std::size_t(size) / sizeof(Line) + 1);
+    const auto lines = std::make_shared<std::vector<FileLine>>(std::size_t(size) / sizeof(FileLine) + 1);
     std::ifstream in(path, std::ios::binary);
     in.read(reinterpret_cast<char*>(lines->data()), std::streamsize(size));
     if (!in) refuse_file("open", path, "cannot be read");

@@ -1,4 +1,5 @@
-// A hierarchy from a file, used where it lies: nothing is parsed or copied, pages come in as frames touch them.
+// A hierarchy from a file or a buffer, used where it lies: nothing is parsed or copied, pages come in as frames touch
+// them.
 #pragma once
 
 #include <algorithm>
@@ -113,6 +114,52 @@ std::span<const T> records_in(std::span<const std::byte> bytes, const SectionEnt
     return {reinterpret_cast<const T*>(bytes.data() + s.offset), std::size_t(s.count)};
 }
 
+/// `where` is what messages call the file.
+template <Storable H>
+H open_bytes(const FileBytes& file, const std::filesystem::path& where, const OpenOptions& options) {
+    using Partition_ = typename H::partition_type;
+    using A = typename H::approximation_type;
+    using C = typename H::cost_model_type;
+    const auto refuse_if = [&](const std::string& why) {
+        if (!why.empty()) refuse_file("open", where, why);
+    };
+    const auto refuse_tag_if = [&](const char* policy, std::uint32_t expected, std::uint32_t found) {
+        if (expected != found) refuse_file("open", where, wrong_tag(policy, expected, found));
+    };
+    FileHeader header;
+    refuse_if(wrong_header(file.bytes, header));
+    refuse_tag_if("partition", Partition_::facts.file_tag, header.partition_tag);
+    refuse_tag_if("approximation", A::facts.file_tag, header.approximation_tag);
+    refuse_tag_if("cost model", C::file_tag, header.cost_tag);
+    refuse_if(wrong_sections(file.bytes, header, record_bytes<H>(), options.verify_checksums));
+
+    const auto section = [&](Section s) -> const SectionEntry& { return header.sections[std::size_t(s)]; };
+    Partition_ partition{};
+    A approximation{};
+    C cost{};
+    const auto read = [&](Section s, auto& policy) {
+        const SectionEntry& entry = section(s);
+        return read_numbers(
+            file.bytes.subspan(std::size_t(entry.count != 0 ? entry.offset : 0), std::size_t(entry.bytes())), policy);
+    };
+    if (!read(Section::partition_options, partition) || !read(Section::approximation_options, approximation) ||
+        !read(Section::cost_options, cost)) {
+        refuse_file("open", where, "is damaged: an option is neither true nor false");
+    }
+    const typename H::Arrays arrays{records_in<Node>(file.bytes, section(Section::nodes)),
+                                    records_in<typename H::node_data>(file.bytes, section(Section::node_data)),
+                                    records_in<typename H::stand_in_data>(file.bytes, section(Section::stand_ins)),
+                                    records_in<typename H::pool_element>(file.bytes, section(Section::pool)),
+                                    records_in<std::uint32_t>(file.bytes, section(Section::order)),
+                                    {records_in<std::uint32_t>(file.bytes, section(Section::first_vertices)),
+                                     records_in<glm::vec3>(file.bytes, section(Section::vertices)),
+                                     records_in<Rgba8>(file.bytes, section(Section::colors))}};
+    if (const char* why = unsound<H>(partition, approximation, header.facts, arrays)) {
+        refuse_file("open", where, std::string("is damaged: ") + why);
+    }
+    return H(partition, approximation, cost, header.facts, arrays, file.memory);
+}
+
 }  // namespace detail
 
 /// H is the SpatialHierarchy that was saved; its policies' options come from the file. Copies of the result share the
@@ -123,59 +170,18 @@ std::span<const T> records_in(std::span<const std::byte> bytes, const SectionEnt
 /// checked, so that no file whatever makes a frame read outside of its arrays.
 template <Storable H>
 H open(const std::filesystem::path& path, const OpenOptions& options = {}) {
-    using namespace detail;
-    using P = typename H::partition_type;
-    using A = typename H::approximation_type;
-    using C = typename H::cost_model_type;
-    FileBytes file = file_bytes(path);
-    FileHeader header;
-    const auto refuse_if = [&](const std::string& why) {
-        if (!why.empty()) refuse_file("open", path, why);
-    };
-    refuse_if(wrong_header(file.bytes, header));
-    const auto refuse_tag_if = [&](const char* policy, std::uint32_t expected, std::uint32_t found) {
-        if (expected != found) refuse_file("open", path, wrong_tag(policy, expected, found));
-    };
-    refuse_tag_if("partition", P::facts.file_tag, header.partition_tag);
-    refuse_tag_if("approximation", A::facts.file_tag, header.approximation_tag);
-    refuse_tag_if("cost model", C::file_tag, header.cost_tag);
-    refuse_if(wrong_sections(file.bytes, header, record_bytes<H>(), options.verify_checksums));
+    return detail::open_bytes<H>(detail::file_bytes(path), path, options);
+}
 
-    const auto section = [&](Section s) -> const SectionEntry& { return header.sections[std::size_t(s)]; };
-    P partition{};
-    A approximation{};
-    C cost{};
-    const auto read = [&](Section s, auto& policy) {
-        const SectionEntry& entry = section(s);
-        return read_numbers(
-            file.bytes.subspan(std::size_t(entry.count != 0 ? entry.offset : 0), std::size_t(entry.bytes())), policy);
-    };
-    if (!read(Section::partition_options, partition) || !read(Section::approximation_options, approximation) ||
-        !read(Section::cost_options, cost)) {
-        refuse_file("open", path, "is damaged: an option is neither true nor false");
+/// As above, from the bytes of such a file. They are used where they lie, unless they do not begin at a multiple of 64
+/// bytes: then they are copied. Used where they lie they must stay as they are, either for as long as the hierarchy and
+/// its copies live, or because `memory` owns them.
+template <Storable H>
+H open(std::span<const std::byte> bytes, const OpenOptions& options = {}, std::shared_ptr<const void> memory = {}) {
+    if (reinterpret_cast<std::uintptr_t>(bytes.data()) % detail::section_alignment != 0) {
+        return detail::open_bytes<H>(detail::aligned_copy(bytes), "memory", options);
     }
-    typename H::MappedArrays arrays{records_in<Node>(file.bytes, section(Section::nodes)),
-                                    records_in<typename H::node_data>(file.bytes, section(Section::node_data)),
-                                    records_in<typename H::cell_data>(file.bytes, section(Section::stand_ins)),
-                                    records_in<typename H::pool_element>(file.bytes, section(Section::pool)),
-                                    records_in<std::uint32_t>(file.bytes, section(Section::order)),
-                                    {records_in<std::uint32_t>(file.bytes, section(Section::first_vertices)),
-                                     records_in<glm::vec3>(file.bytes, section(Section::vertices)),
-                                     records_in<Rgba8>(file.bytes, section(Section::colors))},
-                                    std::move(file.memory)};
-    if (const char* why = unsound<H>(partition, approximation, header.facts, arrays)) {
-        refuse_file("open", path, std::string("is damaged: ") + why);
-    }
-    HierarchyParts<P, A> facts{};
-    facts.root_has_stand_in = header.facts.root_has_stand_in != 0;
-    facts.bounds = header.facts.bounds;
-    facts.root = header.facts.root;
-    facts.origin = header.facts.origin;
-    facts.work = header.facts.work;
-    facts.primitive_count = header.facts.primitive_count;
-    facts.fingerprint = header.facts.fingerprint;
-    facts.report = header.facts.report;
-    return H(partition, approximation, cost, facts, std::move(arrays));
+    return detail::open_bytes<H>({std::move(memory), bytes}, "memory", options);
 }
 
 }  // namespace farfield

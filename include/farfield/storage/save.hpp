@@ -1,6 +1,8 @@
-// A hierarchy into a file: see storage/file_format.hpp for what is in it, storage/open.hpp for the way back.
+// A hierarchy into a file or a buffer: see storage/file_format.hpp for what is in it, storage/open.hpp for the way
+// back.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
@@ -8,11 +10,13 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <system_error>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/file_format.hpp"
@@ -76,76 +80,100 @@ class ReplacingFile {
     bool is_done_ = false;
 };
 
+/// What save() writes: a header and sections, which are the hierarchy's own arrays. Throws std::runtime_error that
+/// names `where` if the hierarchy cannot be stored.
+template <Storable H>
+class FileContents {
+  public:
+    FileContents(const H& hierarchy, const std::filesystem::path& where)
+        : partition_(bytes_of(hierarchy.partition_policy())),
+          approximation_(bytes_of(hierarchy.approximation_policy())),
+          cost_(bytes_of(hierarchy.cost_policy())) {
+        const auto& arrays = hierarchy.arrays();
+        if (const char* why =
+                unsound<H>(hierarchy.partition_policy(), hierarchy.approximation_policy(), hierarchy.facts(), arrays)) {
+            refuse_file("save", where, std::string("the hierarchy cannot be stored: ") + why);
+        }
+        header_.partition_tag = H::partition_type::facts.file_tag;
+        header_.approximation_tag = H::approximation_type::facts.file_tag;
+        header_.cost_tag = H::cost_model_type::file_tag;
+        header_.facts = hierarchy.facts();
+        sections_ = {partition_,
+                     approximation_,
+                     cost_,
+                     stored(arrays.nodes),
+                     stored(arrays.node_data),
+                     stored(arrays.stand_ins),
+                     stored(arrays.pool),
+                     stored(arrays.order),
+                     stored(arrays.fragments.first_vertex),
+                     stored(arrays.fragments.vertices),
+                     stored(arrays.fragments.colors)};
+        header_.file_bytes = sizeof header_;
+        for (std::size_t i = 0; i < section_count; ++i) {
+            const std::uint64_t one = record_bytes<H>()[i], offset = next_section(header_.file_bytes);
+            header_.sections[i] = {offset, one == 0 ? 0 : sections_[i].size() / one, one, Xxh64::of(sections_[i])};
+            if (!sections_[i].empty()) header_.file_bytes = offset + sections_[i].size();
+        }
+        header_.checksum = Xxh64::of(std::as_bytes(std::span(&header_, 1)).first(offsetof(FileHeader, checksum)));
+    }
+
+    std::size_t size() const { return std::size_t(header_.file_bytes); }
+
+    /// Calls write(bytes) with all of it, in order.
+    template <class Write>
+    void write(Write&& write) const {
+        write(std::as_bytes(std::span(&header_, 1)));
+        std::uint64_t at = sizeof header_;
+        const std::array<std::byte, section_alignment> zeros{};
+        for (std::size_t i = 0; i < section_count; ++i) {
+            if (sections_[i].empty()) continue;
+            write(std::span<const std::byte>(zeros).first(std::size_t(header_.sections[i].offset - at)));
+            write(sections_[i]);
+            at = header_.sections[i].offset + sections_[i].size();
+        }
+    }
+
+  private:
+    template <class T>
+    static std::span<const std::byte> stored(std::span<const T> records) {
+        return std::is_empty_v<T> ? std::span<const std::byte>() : std::as_bytes(records);
+    }
+
+    std::vector<std::byte> partition_, approximation_, cost_;
+    FileHeader header_;
+    std::array<std::span<const std::byte>, section_count> sections_;
+};
+
 }  // namespace detail
 
 /// Writes beside `path` and renames, so that there is the old file or the whole new one, never a part; who has the old
 /// one open keeps it. Equal hierarchies give equal files. Throws std::runtime_error that names the file and the reason;
 /// nothing is left behind then.
-template <class P, class A, class C>
-requires Storable<SpatialHierarchy<P, A, C>>
-void save(const SpatialHierarchy<P, A, C>& hierarchy, const std::filesystem::path& path) {
-    using H = SpatialHierarchy<P, A, C>;
-    using namespace detail;
-    FileHeader header;
-    header.partition_tag = P::facts.file_tag;
-    header.approximation_tag = A::facts.file_tag;
-    header.cost_tag = C::file_tag;
-    header.facts = {.origin = hierarchy.origin(),
-                    .primitive_count = hierarchy.primitive_count(),
-                    .fingerprint = hierarchy.fingerprint(),
-                    .report = hierarchy.report(),
-                    .bounds = hierarchy.bounds(),
-                    .root = hierarchy.root_cell(),
-                    .work = hierarchy.whole_work(),
-                    .root_has_stand_in = hierarchy.root_stand_in() != nullptr ? 1u : 0u};
-    const typename H::MappedArrays arrays{hierarchy.nodes(),
-                                          hierarchy.all_node_data(),
-                                          hierarchy.stand_ins(),
-                                          hierarchy.pool(),
-                                          hierarchy.order(),
-                                          hierarchy.fragments(),
-                                          {}};
-    if (const char* why =
-            unsound<H>(hierarchy.partition_policy(), hierarchy.approximation_policy(), header.facts, arrays)) {
-        refuse_file("save", path, std::string("the hierarchy cannot be stored: ") + why);
-    }
-
-    const auto partition = bytes_of(hierarchy.partition_policy()),
-               approximation = bytes_of(hierarchy.approximation_policy()), cost = bytes_of(hierarchy.cost_policy());
-    const auto stored = [](auto records) {
-        using T = typename decltype(records)::element_type;
-        return std::is_empty_v<T> ? std::span<const std::byte>() : std::as_bytes(records);
-    };
-    const std::array<std::span<const std::byte>, section_count> contents{partition,
-                                                                         approximation,
-                                                                         cost,
-                                                                         stored(arrays.nodes),
-                                                                         stored(arrays.data),
-                                                                         stored(arrays.stand_ins),
-                                                                         stored(arrays.pool),
-                                                                         stored(arrays.order),
-                                                                         stored(arrays.fragments.first_vertex),
-                                                                         stored(arrays.fragments.vertices),
-                                                                         stored(arrays.fragments.colors)};
-    header.file_bytes = sizeof header;
-    for (std::size_t i = 0; i < section_count; ++i) {
-        const std::uint64_t one = record_bytes<H>()[i], offset = next_section(header.file_bytes);
-        header.sections[i] = {offset, one == 0 ? 0 : contents[i].size() / one, one, Xxh64::of(contents[i])};
-        if (!contents[i].empty()) header.file_bytes = offset + contents[i].size();
-    }
-    header.checksum = Xxh64::of(std::as_bytes(std::span(&header, 1)).first(offsetof(FileHeader, checksum)));
-
-    ReplacingFile file(path);
-    file.write(std::as_bytes(std::span(&header, 1)));
-    std::uint64_t at = sizeof header;
-    const std::array<std::byte, section_alignment> zeros{};
-    for (std::size_t i = 0; i < section_count; ++i) {
-        if (contents[i].empty()) continue;
-        file.write(std::span(zeros).first(std::size_t(header.sections[i].offset - at)));
-        file.write(contents[i]);
-        at = header.sections[i].offset + contents[i].size();
-    }
+template <Storable H>
+void save(const H& hierarchy, const std::filesystem::path& path) {
+    const detail::FileContents<H> contents(hierarchy, path);
+    detail::ReplacingFile file(path);
+    contents.write([&](std::span<const std::byte> bytes) { file.write(bytes); });
     file.replace_target();
+}
+
+/// How many bytes save() writes.
+template <Storable H>
+std::size_t saved_size(const H& hierarchy) {
+    return detail::FileContents<H>(hierarchy, "memory").size();
+}
+
+/// The bytes of the file, into memory. Throws std::invalid_argument unless there are saved_size(hierarchy) bytes of it.
+template <Storable H>
+void save(const H& hierarchy, std::span<std::byte> memory) {
+    const detail::FileContents<H> contents(hierarchy, "memory");
+    if (memory.size() != contents.size()) {
+        throw std::invalid_argument("farfield::save: the hierarchy takes " + std::to_string(contents.size()) +
+                                    " bytes and is given " + std::to_string(memory.size()));
+    }
+    std::byte* to = memory.data();
+    contents.write([&](std::span<const std::byte> bytes) { to = std::copy(bytes.begin(), bytes.end(), to); });
 }
 
 }  // namespace farfield

@@ -35,7 +35,7 @@ inline const char* unsound_nodes(std::span<const Node> nodes, std::uint32_t item
         const Node& node = nodes[path.back().next++];
         if (node.first_item < item || node.first_item > item_count) return "a node's items are out of order";
         item = node.first_item;
-        if (node.stand_in_reach > 1) return "a stand-in reaches further than any does";
+        if (node.levels_replaced > 1) return "a stand-in reaches further than any does";
         if ((node.stand_in_mask & ~node.child_mask) != 0) return "a stand-in belongs to a child that does not exist";
         if (const auto count = unsigned(std::popcount(node.stand_in_mask)); count != 0) {
             if (node.first_child_data != next_stand_in) return "stand-ins are out of order";
@@ -79,7 +79,7 @@ inline const char* unsound_fragments(const Fragments& fragments, std::uint32_t i
     return nullptr;
 }
 
-inline const char* unsound_facts(const StoredFacts& facts, std::uint64_t node_count) {
+inline const char* unsound_facts(const HierarchyFacts& facts, std::uint64_t node_count) {
     if (facts.root_has_stand_in > 1 || facts.spare != 0 || facts.report.spare != 0)
         return "a flag has no known meaning";
     const Cell& root = facts.root;
@@ -95,10 +95,10 @@ inline const char* unsound_facts(const StoredFacts& facts, std::uint64_t node_co
     return nullptr;
 }
 
-/// What is wrong, or null. H::MappedArrays views what `facts` speak of.
+/// What is wrong, or null. `arrays` are those that `facts` speak of.
 template <class H>
 const char* unsound(const typename H::partition_type& partition, const typename H::approximation_type& approximation,
-                    const StoredFacts& facts, const typename H::MappedArrays& arrays) {
+                    const HierarchyFacts& facts, const typename H::Arrays& arrays) {
     using A = typename H::approximation_type;
     if (const char* why = unsound_facts(facts, arrays.nodes.size())) return why;
     const auto items = std::uint32_t(facts.report.items);
@@ -109,9 +109,9 @@ const char* unsound(const typename H::partition_type& partition, const typename 
         return "it has stand-ins, of which its approximation has none";
     if constexpr (!std::is_empty_v<typename H::node_data>) {
         // A hierarchy over nothing is never entered.
-        if (arrays.data.size() != arrays.nodes.size() && items != 0)
+        if (arrays.node_data.size() != arrays.nodes.size() && items != 0)
             return "it has not as many records of node data as nodes";
-        for (const auto& data : arrays.data) {
+        for (const auto& data : arrays.node_data) {
             if (!partition.is_sound(data)) return "the partition refuses a node's data";
         }
     }
@@ -120,7 +120,7 @@ const char* unsound(const typename H::partition_type& partition, const typename 
             if (!approximation.is_sound(data, arrays.pool)) return "the approximation refuses a stand-in";
         }
     }
-    if constexpr (H::assignment == clipped) {
+    if constexpr (H::assignment == Assignment::clipped) {
         if (const char* why = unsound_fragments(arrays.fragments, items)) return why;
         if (arrays.order.size() != items) return "the order of its items is missing";
     } else if (!arrays.fragments.empty() || !arrays.fragments.vertices.empty() || !arrays.fragments.colors.empty()) {

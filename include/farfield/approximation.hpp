@@ -1,0 +1,255 @@
+// What can be drawn instead of a cell's contents, and how wrong it is: the second of the three policies.
+//
+// An approximation that draws cells by something else (`stands_in`) brings, at the least:
+//
+//     using stand_in_data    what is kept for a cell that has a stand-in; trivially copyable
+//     using stand_in_draft   what a stand-in is while it is made
+//     sample(cell, contents, sampler) -> stand_in_draft
+//     finish(cell, draft)             -> stand_in_data
+//     expected_work()                 -> Work               of drawing one, before any exists
+//     error_px(data, cell, view)      -> float              of the picture if it is drawn; infinity: never
+//     draw_stand_in(data, cell, view, sink)                 sink(Face) or sink(Splat)
+//
+// and may bring, taken where it is there:
+//
+//     work(data)                      -> Work               of drawing this one
+//     polygons(data, cell, sink)                            itself, for a hierarchy that holds an instance; without it
+//                                                           the faces are taken that are drawn from two opposite
+//                                                           corners
+//
+// Whatever else there is, facts announce, and make required.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "farfield/cost_model.hpp"
+#include "farfield/drawables.hpp"
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/polygon.hpp"
+#include "farfield/geometry/visit_order.hpp"
+#include "farfield/partition.hpp"
+#include "farfield/primitive.hpp"
+#include "farfield/sampler.hpp"
+#include "farfield/view/local_view.hpp"
+
+namespace farfield {
+
+struct ApproximationFacts {
+    Assignments accepts = Assignments::all();
+    bool needs_polygons = false;  ///< of the primitive
+    OrderGuarantee needs_ordering = OrderGuarantee::none;
+    bool stands_in = false;          ///< MakesStandIns is required
+    bool merges_octants = false;     ///< MergesOctants is required: parents are made from their children
+    bool has_pool = false;           ///< data of varying size: hooks that take or make data get the pool after it
+    bool bounds_error = false;       ///< BoundsError is required
+    bool compares = false;           ///< ComparesWithChildren is required; not where there is a pool
+    bool provides_area_law = false;  ///< ProvidesAreaLaw is required; only where cells have stand-ins
+    std::uint32_t file_tag = 0;  ///< names the policy in files; change it with the meaning of the data. 0: never stored
+};
+
+template <class A>
+concept StatesApproximationFacts = requires {
+    { A::facts } -> std::convertible_to<ApproximationFacts>;
+}
+&&std::is_trivially_copyable_v<typename A::stand_in_data>;
+
+/// A child's draft while its parent is made. `child` is the number that the partition gave it.
+template <class Draft>
+struct ChildDraft {
+    unsigned child = 0;
+    const Cell* cell = nullptr;
+    const Draft* draft = nullptr;
+};
+
+namespace archetype {
+/// What a stand-in is drawn into. `splat_limit_px` is 0 where the renderer has no splats.
+struct StandInSink {
+    float splat_limit_px = 0;
+    void operator()(const Face&) const {}
+    void operator()(const Splat&) const {}
+};
+/// Polygons of a part of the scene in local coordinates: visit(sink) calls sink(Polygon) for each.
+struct Contents {
+    template <class Sink>
+    void operator()(Sink&& sink) const {
+        sink(Polygon{});
+    }
+};
+}  // namespace archetype
+
+namespace detail {
+struct NoPool {};
+
+template <class A>
+struct PoolElement {
+    using type = NoPool;
+};
+template <class A>
+requires(A::facts.has_pool&& requires { typename A::pool_element; }) struct PoolElement<A> {
+    using type = typename A::pool_element;
+};
+}  // namespace detail
+
+/// What an approximation's pool is an array of; an empty record where there is no pool.
+template <class A>
+using pool_element_of = typename detail::PoolElement<A>::type;
+
+/// Stand-ins are made in steps, so that the costly one runs on any number of threads: sample() of each node by itself,
+/// given the polygons of its subtree; finish(), in node order and only for nodes whose stand-in pays.
+template <class A>
+concept MakesStandIns =
+    !std::is_empty_v<typename A::stand_in_data> &&
+    requires(const A& a, const Cell& cell, const typename A::stand_in_draft& draft, archetype::Sampler& sampler,
+             const typename A::stand_in_data& data, const LocalView& view) {
+    { a.sample(cell, archetype::Contents{}, sampler) } -> std::same_as<typename A::stand_in_draft>;
+    { a.expected_work() } -> std::same_as<Work>;
+    { a.error_px(data, cell, view) } -> std::convertible_to<float>;
+};
+
+/// The rest of what stands in, without a pool and with one.
+template <class A>
+concept FinishesAndDraws = requires(const A& a, const Cell& cell, const typename A::stand_in_draft& draft,
+                                    const typename A::stand_in_data& data, const LocalView& view,
+                                    archetype::StandInSink& sink) {
+    { a.finish(cell, draft) } -> std::same_as<typename A::stand_in_data>;
+    a.draw_stand_in(data, cell, view, sink);
+};
+template <class A>
+concept FinishesAndDrawsFromPool = std::is_trivially_copyable_v<typename A::pool_element> &&
+    requires(const A& a, const Cell& cell, const typename A::stand_in_draft& draft,
+             std::vector<typename A::pool_element>& pool, const typename A::stand_in_data& data,
+             std::span<const typename A::pool_element> frozen_pool, const LocalView& view,
+             archetype::StandInSink& sink) {
+    { a.finish(cell, draft, pool) } -> std::same_as<typename A::stand_in_data>;
+    a.draw_stand_in(data, frozen_pool, cell, view, sink);
+};
+
+/// Where children are octants, sample() gets only a node's own run and merge(cell, draft, children) adds its children's
+/// drafts, bottom up. merges_children() says whether this one does: false has every cell sampled with its subtree.
+template <class A>
+concept MergesOctants = requires(const A& a, const Cell& cell, typename A::stand_in_draft& draft,
+                                 std::span<const ChildDraft<typename A::stand_in_draft>> children) {
+    { a.merges_children() } -> std::same_as<bool>;
+    a.merge(cell, draft, children);
+};
+
+/// A lower bound of error_px over everything in the subtree whose deepest stand-in lies `levels` below the cell: where
+/// it exceeds the tolerance, nothing below can stand in and the subtree is drawn as one run. Asked where children are
+/// octants.
+template <class A>
+concept BoundsError = requires(const A& a, const Cell& cell, unsigned levels, const LocalView& view) {
+    { a.least_error_px(cell, levels, view) } -> std::convertible_to<float>;
+};
+
+/// reproduces() says whether a cell's stand-in, drawn in place of its children's, gives their picture. It is asked of
+/// cells all of whose children have stand-ins; where it holds these are not kept. The cell's error is halved with its
+/// children's, so error_px must be proportional to the cell's size at a given distance.
+template <class A>
+concept ComparesWithChildren =
+    !A::facts.has_pool && requires(const A& a, const Cell& cell, const typename A::stand_in_draft& draft,
+                                   std::span<const ChildDraft<typename A::stand_in_draft>> children) {
+    { a.reproduces(cell, draft, children) } -> std::same_as<bool>;
+};
+
+/// area_law() says how primitives go together that lie in a cell, or in a cell below it without a stand-in of its own:
+/// what a renderer needs that deposits those smaller than a sample (geometry/area_law.hpp). Unset: they are drawn one
+/// by one.
+template <class A>
+concept ProvidesAreaLaw = requires(const A& a, const typename A::stand_in_data& data) {
+    { a.area_law(data) } -> std::same_as<std::optional<AreaLaw>>;
+};
+
+namespace detail {
+template <class A>
+concept FinishesAndDrawsAsStated = (A::facts.has_pool && FinishesAndDrawsFromPool<A>) ||
+                                   (!A::facts.has_pool && FinishesAndDraws<A>);
+template <class A>
+concept MakesStandInsIfStated = !A::facts.stands_in || (MakesStandIns<A> && FinishesAndDrawsAsStated<A>);
+template <class A>
+concept MergesOctantsIfStated = !A::facts.merges_octants || (A::facts.stands_in && MergesOctants<A>);
+template <class A>
+concept BoundsErrorIfStated = !A::facts.bounds_error || BoundsError<A>;
+template <class A>
+concept ComparesIfStated = !A::facts.compares || (A::facts.stands_in && ComparesWithChildren<A>);
+template <class A>
+concept ProvidesAreaLawIfStated = !A::facts.provides_area_law || (A::facts.stands_in && ProvidesAreaLaw<A>);
+}  // namespace detail
+
+template <class A>
+concept Approximation =
+    StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> && detail::MergesOctantsIfStated<A> &&
+    detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> && detail::ProvidesAreaLawIfStated<A>;
+
+// --- the one place where hooks are called whose form, or presence, depends on the approximation
+
+namespace detail {
+
+template <class A, class Draft, class Pool>
+auto finished_stand_in(const A& a, const Cell& cell, const Draft& draft, std::vector<Pool>& pool) {
+    if constexpr (A::facts.has_pool) {
+        return a.finish(cell, draft, pool);
+    } else {
+        return a.finish(cell, draft);
+    }
+}
+
+template <class A, class Data, class Pool, class Sink>
+void draw_stand_in(const A& a, const Data& data, std::span<const Pool> pool, const Cell& cell, const LocalView& view,
+                   Sink&& sink) {
+    if constexpr (A::facts.has_pool) {
+        a.draw_stand_in(data, pool, cell, view, sink);
+    } else {
+        a.draw_stand_in(data, cell, view, sink);
+    }
+}
+
+template <class A, class Data>
+Work work_of_stand_in(const A& a, const Data& data) {
+    if constexpr (requires { a.work(data); }) {
+        return a.work(data);
+    } else {
+        return a.expected_work();
+    }
+}
+
+/// From outside of a cell's box towards its center, so that three of its sides are seen from one, three from the other.
+inline std::array<LocalView, 2> views_from_opposite_corners(const Cell& cell) {
+    const glm::dvec3 center(cell.center), corner(1);
+    const auto from = [&](const glm::dvec3& eye) {
+        View view;
+        view.camera = Camera::orthographic(eye, center, {0, 1, 0}, 1);
+        return LocalView(view, glm::dvec3(0), 1);
+    };
+    return {from(center + corner), from(center - corner)};
+}
+
+/// Sends faces on as polygons, colors no longer premultiplied. What is nothing but splats has no polygons.
+template <class Sink>
+struct FacesAsPolygons {
+    Sink& sink;
+    float splat_limit_px = 0;
+    void operator()(const Face& face) const { emit_polygon(face, sink); }
+    void operator()(const Splat&) const {}
+};
+
+template <class A, class Data, class Pool, class Sink>
+void stand_in_polygons(const A& a, const Data& data, std::span<const Pool> pool, const Cell& cell, Sink&& sink) {
+    if constexpr (A::facts.has_pool && requires { a.polygons(data, pool, cell, sink); }) {
+        a.polygons(data, pool, cell, sink);
+    } else if constexpr (!A::facts.has_pool && requires { a.polygons(data, cell, sink); }) {
+        a.polygons(data, cell, sink);
+    } else {
+        const FacesAsPolygons<std::remove_reference_t<Sink>> faces{sink};
+        for (const LocalView& view : views_from_opposite_corners(cell)) draw_stand_in(a, data, pool, cell, view, faces);
+    }
+}
+
+}  // namespace detail
+}  // namespace farfield

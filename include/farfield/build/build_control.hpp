@@ -1,0 +1,48 @@
+// Who runs a build's independent steps, and who is told how far it has come.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "farfield/build/build_progress.hpp"
+#include "farfield/executor.hpp"
+
+namespace farfield::detail {
+
+/// Executor and progress callback are borrowed. The callback is called on the thread that builds, between steps.
+class BuildControl {
+  public:
+    BuildControl(const AnyExecutor& executor, const ProgressCallback& progress)
+        : executor_(executor), progress_(progress) {}
+
+    /// Throws BuildCanceled if whoever listens wants no more of it.
+    void report(BuildPhase phase, std::size_t done, std::size_t total) const {
+        if (progress_ && !progress_({phase, done, total})) throw BuildCanceled();
+    }
+
+    /// Runs f(0) ... f(count - 1), in any order and at once as far as the executor does; reports some hundred times.
+    template <class F>
+    void run(BuildPhase phase, std::size_t count, F&& f) const {
+        const std::size_t slice = progress_ ? std::max<std::size_t>(count / 100, 16) : std::max<std::size_t>(count, 1);
+        for (std::size_t begin = 0; begin < count; begin += slice) {
+            run_quietly(std::min(slice, count - begin), [&](std::size_t i) { f(begin + i); });
+            report(phase, std::min(begin + slice, count), count);
+        }
+    }
+
+    /// As run(), of steps too small to report.
+    template <class F>
+    void run_quietly(std::size_t count, F&& f) const {
+        if (executor_) {
+            executor_(count, f);
+        } else {
+            SerialExecutor()(count, f);
+        }
+    }
+
+  private:
+    const AnyExecutor& executor_;
+    const ProgressCallback& progress_;
+};
+
+}  // namespace farfield::detail

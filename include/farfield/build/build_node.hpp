@@ -1,0 +1,37 @@
+// A cell between the phases of a build.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "farfield/geometry/cell.hpp"
+#include "farfield/partition.hpp"
+
+namespace farfield::detail {
+
+inline constexpr std::uint32_t no_stand_in = std::numeric_limits<std::uint32_t>::max();
+
+/// A cell while its hierarchy is built. Each phase fills in its own fields; parents come before children throughout.
+template <class NodeData>
+struct BuildNode {
+    // split
+    Cell cell;
+    NodeData data{};
+    std::size_t first = 0,
+                count = 0;  ///< its items in this level's array; of a finished cell in what the splitter keeps
+    float cost = 0;         ///< of its own run, later of its subtree
+    std::uint32_t first_child = 0;
+    std::uint8_t child_mask = 0;
+    Split answer = Split::no;
+    bool is_leaf = true;
+    // order
+    std::uint32_t place = 0;                     ///< in the hierarchy, as long as nothing is pruned
+    std::uint32_t first_item = 0, end_item = 0;  ///< positions of its subtree, own run first
+    // stand-ins
+    std::uint32_t stand_in = no_stand_in;  ///< its index among those that pay
+    std::uint8_t levels_replaced = 0;      ///< as Node's
+    bool is_pruned = false;
+};
+
+}  // namespace farfield::detail

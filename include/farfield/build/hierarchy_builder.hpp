@@ -1,0 +1,272 @@
+// How a hierarchy is built, in phases: split (cell_splitter.hpp, or polygon_splitter.hpp where polygons are cut) ->
+// order, depth first -> drafts of stand-ins, bottom up -> which of them pay -> which of these are needed
+// (prune_stand_ins.hpp)
+// -> freeze. Only freezing makes runs: policies may still move items before it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "farfield/build/build_control.hpp"
+#include "farfield/build/build_node.hpp"
+#include "farfield/build/cell_splitter.hpp"
+#include "farfield/build/polygon_splitter.hpp"
+#include "farfield/build/prune_stand_ins.hpp"
+#include "farfield/composition.hpp"
+#include "farfield/hierarchy/hierarchy_data.hpp"
+
+namespace farfield::detail {
+
+/// Options are borrowed. H is a SpatialHierarchy.
+template <class H, Primitive P, OrthographicSampler Sampler>
+class HierarchyBuilder {
+    using Partition_ = typename H::partition_type;
+    using A = typename H::approximation_type;
+    using C = typename H::cost_model_type;
+
+  public:
+    using Data = HierarchyData<Partition_, A>;
+
+    HierarchyBuilder(std::span<const P> primitives, const Partition_& partition, const A& approximation, const C& cost,
+                     const Sampler& sampler, std::uint64_t memory_budget_bytes, const BuildControl& control)
+        : primitives_(primitives),
+          partition_(partition),
+          approximation_(approximation),
+          cost_(cost),
+          sampler_(sampler),
+          memory_budget_bytes_(memory_budget_bytes),
+          control_(control) {}
+
+    Data build() {
+        {
+            Splitter splitter(primitives_, partition_, approximation_, cost_, memory_budget_bytes_, control_, data_);
+            splitter.split();
+            nodes_ = std::move(splitter.drafts());
+            order_depth_first(splitter);
+        }
+        if constexpr (A::facts.stands_in) make_stand_ins();
+        freeze();
+        return std::move(data_);
+    }
+
+  private:
+    using DraftCell = BuildNode<typename Partition_::node_data>;
+    static constexpr bool cuts = H::assignment == Assignment::clipped;
+    static auto splitter_type() {
+        if constexpr (cuts) {
+            return std::type_identity<PolygonSplitter<Partition_, A, C, P>>{};
+        } else {
+            return std::type_identity<CellSplitter<Partition_, A, C, P>>{};
+        }
+    }
+    using Splitter = typename decltype(splitter_type())::type;
+
+    /// New places of nodes (blocks of siblings, depth first) and of items; costs summed up from the leaves.
+    void order_depth_first(Splitter& splitter) {
+        std::uint32_t next = 1;
+        std::vector<std::pair<std::uint32_t, bool>> stack{{0, false}};
+        while (!stack.empty()) {
+            const auto [n, children_done] = stack.back();
+            stack.pop_back();
+            DraftCell& node = nodes_[n];
+            if (children_done) {
+                node.end_item = std::uint32_t(data_.order.size());
+                continue;
+            }
+            node.first_item = std::uint32_t(data_.order.size());
+            splitter.append_items(node);
+            stack.emplace_back(n, true);
+            const auto children = unsigned(std::popcount(node.child_mask));
+            for (unsigned c = 0; c < children; ++c) nodes_[node.first_child + c].place = next + c;
+            next += children;
+            for (unsigned c = children; c-- > 0;) stack.emplace_back(node.first_child + c, false);
+        }
+        for (std::size_t n = nodes_.size(); n-- > 0;) {
+            const DraftCell& node = nodes_[n];
+            for (int c = 0; c < std::popcount(node.child_mask); ++c) {
+                nodes_[n].cost += nodes_[node.first_child + unsigned(c)].cost;
+            }
+        }
+    }
+
+    // --- stand-ins
+
+    void make_stand_ins() {
+        std::vector<typename A::stand_in_draft> drafts(nodes_.size());
+        bool merges = false;
+        if constexpr (A::facts.merges_octants && Partition_::facts.children_are_octants) {
+            merges = approximation_.merges_children();
+        }
+        // Cells of a few pieces are most of them; where their parents need no drafts, neither do they.
+        if (cuts && !merges) least_cost_ = cost_.cost(approximation_.expected_work());
+        sample(drafts, merges);
+        if constexpr (A::facts.merges_octants) {
+            if (merges) merge(drafts);
+        }
+        choose_what_pays(drafts);
+        if constexpr (A::facts.compares && Partition_::facts.children_are_octants) {
+            prune_redundant_stand_ins<Partition_>(approximation_, std::span(nodes_),
+                                                  std::span<const typename A::stand_in_draft>(drafts));
+        }
+    }
+
+    /// Primitives lie in the user's order and are wanted in the hierarchy's: every one is a miss, unless asked for
+    /// early.
+    void prefetch(std::uint32_t position) const {
+#if defined(__GNUC__)
+        if (position >= data_.order.size()) return;
+        const char* primitive = reinterpret_cast<const char*>(&primitives_[data_.order[position]]);
+        __builtin_prefetch(primitive);
+        if constexpr (sizeof(P) > 16) __builtin_prefetch(primitive + sizeof(P) - 1);
+#endif
+    }
+
+    template <class Sink>
+    void send_polygons(std::uint32_t position, Sink& sink) const {
+        if constexpr (cuts) {
+            if (const Polygon fragment = Fragments(data_.fragments)[position]; !fragment.vertices.empty()) {
+                sink(fragment);
+                return;
+            }
+        }
+        prefetch(position + 12);
+        if constexpr (PrimitiveWithPolygons<P>) {
+            local_polygons(primitives_[data_.order[position]], data_.facts.origin, sink);
+        }
+    }
+
+    /// Every cell's draft by itself: of its own run where children are merged afterwards, else of its subtree.
+    template <class Draft>
+    void sample(std::vector<Draft>& drafts, bool merges) {
+        constexpr std::size_t chunk = 64;
+        control_.run(BuildPhase::sampling, (nodes_.size() + chunk - 1) / chunk, [&](std::size_t i) {
+            Sampler sampler = sampler_;
+            for (std::size_t n = i * chunk; n < std::min((i + 1) * chunk, nodes_.size()); ++n) {
+                const DraftCell& node = nodes_[n];
+                const std::uint32_t end = merges ? node.first_item + std::uint32_t(node.count) : node.end_item;
+                if (node.first_item == end || !(node.cost > least_cost_)) continue;
+                const auto contents = [&](auto&& sink) {
+                    for (std::uint32_t at = node.first_item; at < end; ++at) send_polygons(at, sink);
+                };
+                drafts[n] = approximation_.sample(node.cell, contents, sampler);
+            }
+        });
+    }
+
+    template <class Draft>
+    void merge(std::vector<Draft>& drafts) {
+        for (std::size_t n = nodes_.size(); n-- > 0;) {
+            const DraftCell& node = nodes_[n];
+            std::array<ChildDraft<Draft>, 8> children;
+            unsigned count = 0;
+            for (unsigned mask = node.child_mask; mask != 0; mask &= mask - 1, ++count) {
+                const std::uint32_t at = node.first_child + count;
+                children[count] = {unsigned(std::countr_zero(mask)), &nodes_[at].cell, &drafts[at]};
+            }
+            if (count != 0) {
+                approximation_.merge(node.cell, drafts[n], std::span<const ChildDraft<Draft>>(children.data(), count));
+            }
+        }
+    }
+
+    /// In the order that nodes will have, which is that of the pool.
+    std::vector<std::uint32_t> nodes_by_place() const {
+        std::vector<std::uint32_t> order(nodes_.size());
+        for (std::size_t n = 0; n < nodes_.size(); ++n) order[nodes_[n].place] = std::uint32_t(n);
+        return order;
+    }
+
+    /// "The cost of rendering the primitives is no more than the cost of rendering the color-cube": then there is none.
+    template <class Draft>
+    void choose_what_pays(const std::vector<Draft>& drafts) {
+        for (const std::uint32_t n : nodes_by_place()) {
+            DraftCell& node = nodes_[n];
+            const std::size_t pool_size = data_.pool.size();
+            const auto data = finished_stand_in(approximation_, node.cell, drafts[n], data_.pool);
+            if (node.cost > least_cost_ && node.cost > cost_.cost(work_of_stand_in(approximation_, data))) {
+                node.stand_in = std::uint32_t(stand_ins_.size());
+                stand_ins_.push_back(data);
+            } else {
+                data_.pool.resize(pool_size);
+                ++data_.facts.report.stand_ins_that_would_not_pay;
+            }
+        }
+    }
+
+    // --- freezing
+
+    void freeze() {
+        const std::vector<std::uint32_t> by_place = nodes_by_place();
+        std::uint32_t count = 0;
+        for (const std::uint32_t n : by_place) {
+            if (!nodes_[n].is_pruned) nodes_[n].place = count++;
+        }
+        data_.nodes.resize(count);
+        if constexpr (!std::is_empty_v<typename Partition_::node_data>) data_.node_data.reserve(count);
+        std::vector<std::uint32_t> stand_in_of(count, no_stand_in);
+        for (const std::uint32_t n : by_place) {
+            const DraftCell& node = nodes_[n];
+            if (node.is_pruned) continue;
+            Node& out = data_.nodes[node.place];
+            out.first_item = node.first_item;
+            out.child_mask = node.child_mask;
+            out.first_child = node.child_mask != 0 ? nodes_[node.first_child].place : 0;
+            out.levels_replaced = node.levels_replaced;
+            if constexpr (!std::is_empty_v<typename Partition_::node_data>) data_.node_data.push_back(node.data);
+            if constexpr (A::facts.stands_in) {
+                if (node.stand_in == no_stand_in) continue;
+                stand_in_of[node.place] = std::uint32_t(data_.stand_ins.size());
+                data_.stand_ins.push_back(stand_ins_[node.stand_in]);
+            }
+        }
+        for (std::size_t i = count; i-- > 0;) mark_stand_ins(data_.nodes[i], i, stand_in_of);
+        data_.facts.root_has_stand_in = stand_in_of[0] != no_stand_in ? 1u : 0u;
+        data_.facts.report.items = data_.order.size();
+        data_.facts.report.nodes = count;
+        data_.facts.report.leaves = std::uint32_t(
+            std::count_if(data_.nodes.begin(), data_.nodes.end(), [](const Node& n) { return n.child_mask == 0; }));
+        data_.facts.report.stand_ins = std::uint32_t(data_.stand_ins.size());
+    }
+
+    void mark_stand_ins(Node& node, std::size_t index, const std::vector<std::uint32_t>& stand_in_of) {
+        unsigned deepest = Node::nothing_below;
+        std::uint32_t child = node.first_child;
+        for (unsigned mask = node.child_mask; mask != 0; mask &= mask - 1, ++child) {
+            unsigned below = data_.nodes[child].stand_in_levels_below;
+            if (stand_in_of[child] != no_stand_in) {
+                if (below == 0) below = data_.nodes[child].levels_replaced;
+                if (node.stand_in_mask == 0) node.first_child_data = stand_in_of[child];
+                node.stand_in_mask = std::uint8_t(node.stand_in_mask | (mask & (0u - mask)));
+            }
+            if (below != Node::nothing_below) {
+                // Where cells are not halved nobody asks for more than whether there are any.
+                const unsigned levels = std::min(below + 1, Node::nothing_below - 1u);
+                deepest = deepest == Node::nothing_below ? levels : std::max(deepest, levels);
+            }
+        }
+        if (deepest == Node::nothing_below && stand_in_of[index] != no_stand_in) deepest = 0;
+        node.stand_in_levels_below = std::uint8_t(deepest);
+    }
+
+    std::span<const P> primitives_;
+    const Partition_& partition_;
+    const A& approximation_;
+    const C& cost_;
+    const Sampler& sampler_;
+    std::uint64_t memory_budget_bytes_;
+    const BuildControl& control_;
+
+    Data data_;
+    std::vector<DraftCell> nodes_;                        ///< parents before children
+    std::vector<typename A::stand_in_data> stand_ins_{};  ///< those that pay, by BuildNode::stand_in
+    float least_cost_ = -1;                               ///< of a subtree that is drafted
+};
+
+}  // namespace farfield::detail

@@ -1,0 +1,159 @@
+// The first phase of a build, the other form of cell_splitter.hpp, for partitions that cut: convex pieces of polygons
+// go down, cut where they cross a plane. Large cells one after the other, level by level; then what is below each
+// smaller one by itself, on any number of threads, put together in order.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "farfield/build/build_control.hpp"
+#include "farfield/build/polygon_subtree.hpp"
+#include "farfield/build/read_polygons.hpp"
+#include "farfield/build/read_primitives.hpp"
+#include "farfield/composition.hpp"
+#include "farfield/geometry/cell_polygons.hpp"
+#include "farfield/hierarchy/hierarchy_data.hpp"
+
+namespace farfield::detail {
+
+/// Cells, parents before children, and the pieces that each keeps for its own run.
+template <Partition Partition_, Approximation A, CostModel C, PrimitiveWithPolygons P>
+class PolygonSplitter {
+  public:
+    using Branch = PolygonSubtree<Partition_>;
+    using Draft = typename Branch::Draft;
+
+    PolygonSplitter(std::span<const P> primitives, const Partition_& partition, const A&, const C& cost,
+                    std::uint64_t memory_budget_bytes, const BuildControl& control, HierarchyData<Partition_, A>& data)
+        : primitives_(primitives),
+          partition_(partition),
+          cost_(cost),
+          memory_budget_bytes_(memory_budget_bytes),
+          control_(control),
+          data_(data) {}
+
+    void split() {
+        PolygonReader intake;
+        take_polygons(intake);
+        const std::vector<SupportingPlane> planes = std::move(intake.planes);
+        Branch top(partition_, planes);
+        top.start(data_.facts.root, std::move(intake.items), std::move(intake.corners));
+        const typename Branch::Budget budget{
+            memory_budget_bytes_,
+            sizeof(Node) + stored_size<typename Partition_::node_data> + stored_size<typename A::stand_in_data>,
+            sizeof(std::uint32_t)};
+        // With a budget all levels are compared with it, one by one.
+        top.grow(budget.limit != 0 ? 0 : small_branch, budget);
+        std::vector<Branch> below(top.deferred_leaves.size(), Branch(partition_, planes));
+        control_.run(BuildPhase::splitting, below.size(), [&](std::size_t i) {
+            below[i].start(top.drafts[top.deferred_leaves[i]], top);
+            below[i].grow(0, {});
+        });
+        put_together(std::move(top), below);
+    }
+
+    std::vector<Draft>& drafts() { return drafts_; }
+    /// Appends what a cell keeps.
+    void append_items(const Draft& node) {
+        FragmentArrays& out = data_.fragments;
+        for (std::size_t i = node.first; i < node.first + node.count; ++i) {
+            const ClippedItem& item = kept_[i];
+            for (const Corner& c : std::span(corners_).subspan(item.first_corner, item.corners)) {
+                out.vertices.push_back(c.position);
+                out.colors.push_back(c.color);
+            }
+            data_.order.push_back(item.source);
+            out.first_vertex.push_back(std::uint32_t(out.vertices.size()));
+        }
+    }
+
+  private:
+    /// Large enough that the parts are few, small enough to lie in a cache.
+    static constexpr std::size_t small_branch = 4096;
+
+    void take_polygons(PolygonReader& intake) {
+        std::vector<ClippedItem> instances;
+        read_primitives(primitives_, cost_, data_.facts, [&](const Item& item) {
+            const P& primitive = primitives_[item.source];
+            if constexpr (PrimitiveWithInstance<P>) {
+                if (primitive_traits<P>::visit_instance(primitive, [](const auto&) {})) {
+                    instances.push_back({item.bounds, item.source, 0, 0, 0, item.cost});
+                    intake.interrupt();
+                    return;
+                }
+            }
+            std::size_t triangles = 0;
+            local_polygons(primitive, data_.facts.origin,
+                           [&](const Polygon& polygon) { triangles += polygon.vertices.size() - 2; });
+            local_polygons(primitive, data_.facts.origin, [&](const Polygon& polygon) {
+                intake.add(polygon, item.source, item.cost / float(triangles));
+            });
+        });
+        intake.items.insert(intake.items.begin(), instances.begin(), instances.end());
+        data_.facts.report.polygons_joined = intake.joined;
+        data_.facts.report.polygons_without_area = intake.without_area;
+        data_.facts.root = partition_.root(data_.facts.bounds);
+        data_.fragments.first_vertex.push_back(0);
+    }
+
+    void put_together(Branch&& top, std::span<const Branch> below) {
+        drafts_ = std::move(top.drafts);
+        kept_ = std::move(top.kept);
+        corners_ = std::move(top.corners);
+        add_counts(top.report);
+        for (std::size_t b = 0; b < below.size(); ++b) {
+            const Branch& branch = below[b];
+            const std::size_t first_draft = drafts_.size(), first_item = kept_.size(), first_corner = corners_.size();
+            if (first_draft + branch.drafts.size() > 0xfffffff0u || first_item + branch.kept.size() > 0xfffffff0u ||
+                first_corner + branch.corners.size() > 0xfffffff0u) {
+                throw std::length_error("farfield: the hierarchy would exceed 2^32 nodes, items or vertices");
+            }
+            for (std::size_t n = 0; n < branch.drafts.size(); ++n) {
+                Draft draft = branch.drafts[n];
+                draft.first += first_item;
+                // Its first draft is the one that was put off.
+                if (draft.child_mask != 0) draft.first_child += std::uint32_t(first_draft) - 1;
+                if (n == 0) {
+                    drafts_[top.deferred_leaves[b]] = draft;
+                } else {
+                    drafts_.push_back(draft);
+                }
+            }
+            for (ClippedItem item : branch.kept) {
+                item.first_corner += std::uint32_t(first_corner);
+                kept_.push_back(item);
+            }
+            corners_.insert(corners_.end(), branch.corners.begin(), branch.corners.end());
+            add_counts(branch.report);
+        }
+        for (const Draft& draft : drafts_) {
+            data_.facts.report.levels = std::max<std::uint32_t>(data_.facts.report.levels, draft.cell.depth + 1u);
+        }
+    }
+
+    void add_counts(const BuildReport& r) {
+        data_.facts.report.empty_cells_pruned += r.empty_cells_pruned;
+        data_.facts.report.cells_at_depth_limit += r.cells_at_depth_limit;
+        data_.facts.report.cells_that_cannot_be_told_apart += r.cells_that_cannot_be_told_apart;
+        data_.facts.report.cells_over_memory_budget += r.cells_over_memory_budget;
+        data_.facts.report.cells_out_of_order += r.cells_out_of_order;
+    }
+
+    std::span<const P> primitives_;
+    const Partition_& partition_;
+    const C& cost_;
+    std::uint64_t memory_budget_bytes_;
+    const BuildControl& control_;
+    HierarchyData<Partition_, A>& data_;
+
+    std::vector<Draft> drafts_;
+    std::vector<ClippedItem> kept_;
+    std::vector<Corner> corners_;
+};
+
+}  // namespace farfield::detail

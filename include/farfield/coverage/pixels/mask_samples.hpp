@@ -1,0 +1,206 @@
+// Where the tiler's masks of samples go: into filters, for images with 64 samples a pixel, or straight into pixels.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "farfield/coverage/lazy_depth.hpp"
+#include "farfield/coverage/pixels/box_filter.hpp"
+#include "farfield/coverage/pixels/far_pixels.hpp"
+#include "farfield/coverage/pixels/point_samples.hpp"
+#include "farfield/coverage/polygons/surface.hpp"
+
+namespace farfield {
+
+/// A block of 8 x 8 masks of samples: its number and place in the pyramid's level 1, and its first sample, relative to
+/// the center sample.
+struct MaskBlock {
+    std::size_t index = 0;
+    int x = 0, y = 0;
+    int sample_x = 0, sample_y = 0;
+
+    int sample_x_of(unsigned k) const { return sample_x + 8 * int(k % 8); }
+    int sample_y_of(unsigned k) const { return sample_y + 8 * int(k / 8); }
+};
+
+/// A mask is a pixel's 64 samples.
+template <class Filter>
+class PixelSamples {
+  public:
+    static constexpr int samples_a_side = 8;
+    static constexpr bool shades_samples = false;  ///< one color a surface and pixel
+
+    static constexpr bool takes_deposits = requires(Filter f) { f.add_sum(0, glm::vec4()); };
+
+    void begin(int width_px, int height_px) {
+        filter_.begin(width_px, height_px);
+        if constexpr (takes_deposits) far_.begin(std::size_t((width_px + 7) / 8) * std::size_t((height_px + 7) / 8));
+    }
+
+    /// Masks of a block will be written one by one.
+    FARFIELD_INLINE void open_block(const MaskBlock& block) {
+        if constexpr (has_blocks) filter_.open_block(block.index);
+    }
+    /// All samples of a block, of which none has been seen; `masks` are those inside the image.
+    FARFIELD_INLINE void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        if (!surface.is_flat) {
+            open_block(block);
+            cover_masks(block, masks, surface);
+        } else if constexpr (has_blocks) {
+            filter_.fill_block(block.index, surface.seen_color());
+        } else {
+            filter_.fill(8 * block.x, 8 * block.y, 8, 8, surface.seen_color());
+        }
+    }
+    /// All samples of some masks.
+    FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        if (surface.is_flat) {
+            if constexpr (has_blocks) {
+                filter_.fill_pixels(block.index, masks, surface.seen_color());
+            } else {
+                filter_.fill_pixels(8 * block.x, 8 * block.y, masks, surface.seen_color());
+            }
+            return;
+        }
+        for (unsigned row = 0; masks != 0; masks >>= 8, row += 8) {
+            if ((masks & 255) == 0) continue;
+            const auto colors = surface.seen_colors_of_pixels(block.sample_x, block.sample_y_of(row));
+            if constexpr (has_blocks) {
+                filter_.fill_row(64 * block.index + row, unsigned(masks & 255), colors);
+                continue;
+            }
+            for (auto left = unsigned(masks & 255); left != 0; left &= left - 1) {
+                const auto i = unsigned(std::countr_zero(left));
+                add(block, row + i, all_subcells, 64, colors[i], true);
+            }
+        }
+    }
+    /// Some samples of mask k, `count` of them; `is_first`: of none other in this frame.
+    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count,
+                             const Surface& surface, bool is_first) {
+        add(block, k, samples, count, color_of(block, k, surface), is_first);
+    }
+    /// A block that cover_block() took is to be written mask by mask after all.
+    void split_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        if constexpr (has_blocks) {
+            open_block(block);
+            cover_masks(block, masks, surface);
+        }
+    }
+    /// A surface of the far field over samples `inside` of mask k, of which those of `seen` are not behind geometry.
+    /// Returns what comes through each lane of what came through before.
+    FarPixels::LaneParts deposit(const MaskBlock& block, unsigned k, std::uint64_t inside, std::uint64_t seen,
+                                 const Surface& surface, bool is_first) {
+        const std::size_t at = 64 * block.index + k;
+        if constexpr (takes_deposits) {
+            if (is_first) filter_.add_at(at, 0, {}, true);
+        }
+        return far_.deposit(at, inside, seen, surface.loss, surface.far_rgb);
+    }
+    /// Masks of a block that something was deposited into.
+    std::uint64_t deposited(const MaskBlock& block) const { return far_.touched(block.index); }
+    bool is_closed(const MaskBlock& block, unsigned k) const { return far_.is_closed(64 * block.index + k); }
+    /// What comes through the deposits so far, at eight samples from s on.
+    void put_behind_deposits(const MaskBlock& block, unsigned k, unsigned s, std::array<Rgba8, 8>& colors) const {
+        if ((deposited(block) >> k & 1) == 0) return;
+        for (unsigned i = 0; i < 8; ++i) colors[i] = far_.behind(64 * block.index + k, s + i, colors[i]);
+    }
+    FARFIELD_INLINE static Rgba8 color_of(const MaskBlock& block, unsigned k, const Surface& surface) {
+        return surface.is_flat ? surface.seen_color()
+                               : surface.seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
+    }
+    /// Takes back what add() or cover_masks() did, as if it had not been the first: lazy z-buffering will say it anew.
+    void remove(const MaskBlock& block, unsigned k, std::uint64_t samples, const Surface& surface) {
+        if constexpr (!has_blocks) {
+            filter_.remove(8 * block.x + int(k % 8), 8 * block.y + int(k / 8), samples, color_of(block, k, surface));
+        }
+    }
+    /// All samples of mask k, whose earlier ones were taken back.
+    void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
+        for (unsigned s = 0; s < 64; ++s) {
+            add(block, k, std::uint64_t(1) << s, 1, deep.color[s], s == 0);
+        }
+    }
+
+    void resolve(Image& image) {
+        if constexpr (takes_deposits) {
+            far_.for_touched([&](std::size_t at, glm::vec3 rgb, float alpha) {
+                filter_.add_sum(at, glm::vec4(rgb, alpha) * (255.0f * 64));
+            });
+        }
+        filter_.resolve(image);
+    }
+
+  private:
+    static constexpr bool has_blocks = requires(Filter f) { f.open_block(0); };
+
+    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, Rgba8 color,
+                             bool is_first) {
+        if constexpr (has_blocks) {
+            filter_.add_at(64 * block.index + k, count, color, is_first);
+        } else {
+            filter_.add(8 * block.x + int(k % 8), 8 * block.y + int(k / 8), samples, color, is_first);
+        }
+    }
+
+    Filter filter_;
+    FarPixels far_;
+};
+
+/// A sample is a pixel, a mask 8 x 8 of them.
+class SinglePixels {
+  public:
+    static constexpr int samples_a_side = 1;
+    static constexpr bool shades_samples = true;
+    static constexpr bool takes_deposits = false;
+
+    void begin(int width_px, int height_px) { pixels_.begin(width_px, height_px); }
+
+    void open_block(const MaskBlock&) {}
+    FARFIELD_INLINE void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        if (!surface.is_flat) return cover_masks(block, masks, surface);
+        pixels_.fill(64 * block.x, 64 * block.y, 64, 64, surface.seen_color());
+    }
+    FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
+        for (; masks != 0; masks &= masks - 1) {
+            add(block, unsigned(std::countr_zero(masks)), all_subcells, 64, surface, true);
+        }
+    }
+    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int, const Surface& surface,
+                             bool) {
+        const std::size_t at = place(block, k);
+        if (surface.is_flat) return pixels_.add(at, samples, surface.seen_color());
+        for (; samples != 0; samples &= samples - 1) {
+            const auto s = std::countr_zero(samples);
+            pixels_.add(at, std::uint64_t(1) << s,
+                        surface.seen_color_at(block.sample_x_of(k) + s % 8, block.sample_y_of(k) + s / 8));
+        }
+    }
+    void remove(const MaskBlock&, unsigned, std::uint64_t, const Surface&) {}
+    void split_block(const MaskBlock&, std::uint64_t, const Surface&) {}
+    FarPixels::LaneParts deposit(const MaskBlock&, unsigned, std::uint64_t, std::uint64_t, const Surface&, bool) {
+        return {};
+    }
+    std::uint64_t deposited(const MaskBlock&) const { return no_subcells; }
+    bool is_closed(const MaskBlock&, unsigned) const { return false; }
+    void put_behind_deposits(const MaskBlock&, unsigned, unsigned, std::array<Rgba8, 8>&) const {}
+    static Rgba8 color_of(const MaskBlock&, unsigned, const Surface& surface) { return surface.seen_color(); }
+    void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
+        for (unsigned s = 0; s < 64; ++s) {
+            pixels_.add(place(block, k), std::uint64_t(1) << s, deep.color[s]);
+        }
+    }
+
+    void resolve(Image& image) { pixels_.resolve(image); }
+
+  private:
+    std::size_t place(const MaskBlock& block, unsigned k) const {
+        return pixels_.block_of(64 * block.x + 8 * int(k % 8), 64 * block.y + 8 * int(k / 8));
+    }
+
+    PointSamples pixels_;
+};
+
+}  // namespace farfield

@@ -1,0 +1,225 @@
+// From a hierarchy's polygons to convex ones on the screen, ready to be tiled: projected, snapped, turned clockwise,
+// lit, and clipped where they must be.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "farfield/coverage/polygons/polygon_stream.hpp"
+#include "farfield/coverage/polygons/surface.hpp"
+#include "farfield/geometry/light.hpp"
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/raster/polygon_clip.hpp"
+#include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/scan_conversion.hpp"
+#include "farfield/raster/shading.hpp"
+#include "farfield/raster/snapping.hpp"
+
+namespace farfield {
+
+/// For as long as view and stream stay. `light` is in the stream's axes; null: colors as they are.
+///
+/// Tile says what becomes of polygons: tile(TilePolygon&), which is given `polygon` again and again and may write to
+/// its surface. Tile::needs_depth: whether the surface's depth is to be set. Tile::reach_of_samples: how far from its
+/// regular center a sample may be, 1/256 sample.
+template <class Tile>
+class PolygonSetup {
+  public:
+    PolygonSetup(const PolygonStream& stream, const SampleProjection& to, const DirectionalLight* light,
+                 bool culls_back_faces, TilePolygon& polygon, const Tile& tile)
+        : stream_(stream),
+          to_(to),
+          light_(light),
+          culls_back_faces_(culls_back_faces),
+          polygon_(polygon),
+          tile_(tile) {}
+
+    /// A record of the stream. Nothing is tiled where it holds no sample of the image or is turned away; triangles are
+    /// where snapping bends it or where it has to be clipped.
+    void draw(const PolygonRecord& r) {
+        // Four corners side by side, as SampleProjection does one.
+        typedef float Floats __attribute__((vector_size(16)));
+        typedef std::int32_t Ints __attribute__((vector_size(16)));
+        constexpr float guard = SampleProjection::guard_band * 256;
+        Floats dx, dy, dz;
+        std::memcpy(&dx, r.x, sizeof dx);
+        std::memcpy(&dy, r.y, sizeof dy);
+        std::memcpy(&dz, r.z, sizeof dz);
+        dx -= to_.eye.x, dy -= to_.eye.y, dz -= to_.eye.z;
+        const Floats depth = dx * to_.forward.x + dy * to_.forward.y + dz * to_.forward.z;
+        const Floats inverse = 1.0f / (depth * to_.depth_weight + to_.depth_bias);
+        const Floats x = (dx * to_.right.x + dy * to_.right.y + dz * to_.right.z) * inverse + to_.offset_x;
+        const Floats y = (dx * to_.down.x + dy * to_.down.y + dz * to_.down.z) * inverse + to_.offset_y;
+        const Floats q = inverse * to_.q_of_inverse + depth * to_.q_of_depth;
+        const Ints is_behind = depth < to_.near_depth;
+        const Ints is_whole = ~is_behind & (x > -guard) & (x < guard) & (y > -guard) & (y < guard);
+        if (!is_set(is_whole)) return is_set(is_behind) ? void() : draw_clipped(r);
+        Corners corners;
+        const Floats snapped_x = x + snap_rounder, snapped_y = y + snap_rounder;
+        std::memcpy(corners.x.data(), &snapped_x, sizeof snapped_x);
+        std::memcpy(corners.y.data(), &snapped_y, sizeof snapped_y);
+        std::memcpy(corners.q.data(), &q, sizeof q);
+        for (unsigned c = 0; c < 4; ++c) {
+            corners.x[c] -= std::int32_t(snap_rounder_bits);
+            corners.y[c] -= std::int32_t(snap_rounder_bits);
+        }
+        const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream_.colors(r);
+        if (r.is_triangle) {
+            draw_triangle(r, corners, 0, 1, 2, colors);
+        } else {
+            draw_quadrilateral(r, corners, colors);
+        }
+    }
+
+  private:
+    /// In all four lanes.
+    template <class Ints>
+    static bool is_set(const Ints& lanes) {
+        std::uint64_t halves[2];
+        std::memcpy(halves, &lanes, sizeof halves);
+        return (halves[0] & halves[1]) == ~std::uint64_t(0);
+    }
+
+    struct Corners {
+        std::array<std::int32_t, 4> x, y;
+        std::array<float, 4> q;
+
+        std::int64_t turn(unsigned a, unsigned b, unsigned c) const {
+            return std::int64_t(x[b] - x[a]) * (y[c] - y[b]) - std::int64_t(y[b] - y[a]) * (x[c] - x[b]);
+        }
+        SnappedTriangle triangle(unsigned a, unsigned b, unsigned c) const {
+            return {{x[a], x[b], x[c]}, {y[a], y[b], y[c]}, {q[a], q[b], q[c]}};
+        }
+    };
+
+    void draw_quadrilateral(const PolygonRecord& r, const Corners& k, const Rgba8* colors) {
+        const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
+        const auto [low_y, high_y] = std::minmax({k.y[0], k.y[1], k.y[2], k.y[3]});
+        if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
+        const std::int64_t turns[4] = {k.turn(0, 1, 2), k.turn(1, 2, 3), k.turn(2, 3, 0), k.turn(3, 0, 1)};
+        const bool is_clockwise = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0 && turns[3] >= 0;
+        const bool is_front = turns[0] <= 0 && turns[1] <= 0 && turns[2] <= 0 && turns[3] <= 0;
+        if (is_clockwise == is_front) {
+            // Snapping bent it, or it is nothing: then both were 0 throughout.
+            if (is_front) return;
+            draw_triangle(r, k, 0, 1, 2, colors);
+            draw_triangle(r, k, 0, 2, 3, colors);
+            return;
+        }
+        if (!is_front && culls_back_faces_) return;
+        polygon_.corners = 4;
+        const unsigned order[4] = {0, is_front ? 3u : 1u, 2, is_front ? 1u : 3u};
+        for (unsigned c = 0; c < 4; ++c) {
+            polygon_.x[c] = k.x[order[c]];
+            polygon_.y[c] = k.y[order[c]];
+        }
+        // Depth and colors are those of the larger half's plane.
+        const std::int64_t one = std::abs(k.triangle(0, 1, 2).doubled_area()),
+                           other = std::abs(k.triangle(0, 2, 3).doubled_area());
+        const unsigned half[3] = {0, one >= other ? 1u : 2u, one >= other ? 2u : 3u};
+        SnappedTriangle t = k.triangle(half[0], half[1], half[2]);
+        if (is_front) t.flip();
+        if constexpr (Tile::needs_depth) {
+            DepthPlane& plane = polygon_.surface.depth = DepthPlane(t, std::max(one, other));
+            const auto [lowest, highest] = std::minmax({k.q[0], k.q[1], k.q[2], k.q[3]});
+            plane.lowest = lowest;
+            plane.highest = highest;
+        }
+        if (colors == nullptr) {
+            shade(r, is_front, nullptr, t);
+        } else {
+            const Rgba8 of_half[4] = {colors[0], colors[half[1]], colors[half[2]], colors[one >= other ? 3 : 1]};
+            shade(r, is_front, of_half, t);
+        }
+        tile_(polygon_);
+    }
+
+    void draw_triangle(const PolygonRecord& r, const Corners& k, unsigned a, unsigned b, unsigned c,
+                       const Rgba8* colors) {
+        SnappedTriangle t = k.triangle(a, b, c);
+        const auto [low_x, high_x] = std::minmax({t.x[0], t.x[1], t.x[2]});
+        const auto [low_y, high_y] = std::minmax({t.y[0], t.y[1], t.y[2]});
+        if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
+        if (colors == nullptr) return draw_triangle(r, t, nullptr);
+        const Rgba8 own[4] = {colors[a], colors[b], colors[c], colors[c]};
+        draw_triangle(r, t, own);
+    }
+
+    void draw_triangle(const PolygonRecord& r, SnappedTriangle t, const Rgba8* colors) {
+        const std::int64_t area = t.doubled_area();
+        if (area == 0) return;
+        const bool is_front = area < 0;  // counter-clockwise, rows running downwards
+        if (!is_front && culls_back_faces_) return;
+        if (is_front) t.flip();
+        polygon_.set_triangle(t);
+        if constexpr (Tile::needs_depth) polygon_.surface.depth = DepthPlane(t, std::abs(area));
+        shade(r, is_front, colors, t);
+        tile_(polygon_);
+    }
+
+    bool holds_no_sample(std::int32_t low_x, std::int32_t high_x, std::int32_t low_y, std::int32_t high_y) const {
+        constexpr int reach = Tile::reach_of_samples;
+        const std::int32_t x0 = (low_x - reach + 127) >> 8, x1 = (high_x + reach - 128) >> 8;
+        const std::int32_t y0 = (low_y - reach + 127) >> 8, y1 = (high_y + reach - 128) >> 8;
+        return x0 > x1 || y0 > y1 || x0 >= to_.end_x || y0 >= to_.end_y || x1 < to_.first_x || y1 < to_.first_y;
+    }
+
+    /// Null colors: the record's one. Else four, in the order that corners had before they were turned clockwise: those
+    /// of the triangle, and one more that the surface has.
+    void shade(const PolygonRecord& r, bool is_front, const Rgba8* colors, const SnappedTriangle& clockwise) {
+        Surface& s = polygon_.surface;
+        s.is_background = s.is_fraction = s.is_deposit = false;
+        s.is_perspective = to_.is_perspective;
+        s.is_flat = colors == nullptr;
+        s.colors.fill(r.color);
+        s.is_solid = r.color.a == 255;
+        if (colors != nullptr) {
+            s.colors = {colors[0], colors[is_front ? 2 : 1], colors[is_front ? 1 : 2], colors[3]};
+            s.is_solid = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
+        }
+        const auto corner = [&](unsigned c) { return glm::vec3(r.x[c], r.y[c], r.z[c]); };
+        if (!s.is_solid) s.hash = hash_of_triangle(corner(0), corner(1), corner(2));
+        if (light_ != nullptr) {
+            const glm::vec3 n = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+            const float brightness = light_->brightness(is_front ? n : -n);
+            for (Rgba8& c : s.colors) c = scaled(c, brightness);
+        }
+        if (colors != nullptr) s.triangle = clockwise;
+    }
+
+    void draw_clipped(const PolygonRecord& r) {
+        const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream_.colors(r);
+        ClippedPolygon clipped;
+        for (unsigned c = 0; c < (r.is_triangle ? 3u : 4u); ++c) {
+            clipped.add({r.x[c], r.y[c], r.z[c]}, to_, colors == nullptr ? glm::vec4(0) : to_vec4(colors[c]));
+        }
+        clipped.clip(to_);
+        for (std::size_t i = 2; i < clipped.size(); ++i) {
+            SnappedTriangle t;
+            const std::size_t from[3] = {0, i - 1, i};
+            Rgba8 corner_colors[4];
+            for (unsigned c = 0; c < 3; ++c) {
+                clipped.snap(from[c], to_, t, c);
+                if (colors != nullptr) corner_colors[c] = to_rgba8(clipped[from[c]].color);
+            }
+            corner_colors[3] = corner_colors[2];
+            draw_triangle(r, t, colors == nullptr ? nullptr : corner_colors);
+        }
+    }
+
+    const PolygonStream& stream_;
+    const SampleProjection& to_;
+    const DirectionalLight* light_;
+    bool culls_back_faces_;
+    TilePolygon& polygon_;
+    Tile tile_;
+};
+
+}  // namespace farfield

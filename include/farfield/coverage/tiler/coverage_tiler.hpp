@@ -1,0 +1,155 @@
+// Hierarchical polygon tiling: Warnock subdivision driven by masks (Greene 1996, sections 3.1, 4.3 and listing 1), and
+// lazy z-buffering on top of it (6.1).
+//
+// The same source is compiled for no, four, eight and sixteen lanes; the widest that the processor has is taken at run
+// time. All give the same masks, and so the same picture. Its parts are listed in coverage_tiler.inl.
+#pragma once
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "farfield/coverage/coverage_pyramid.hpp"
+#include "farfield/coverage/coverage_work.hpp"
+#include "farfield/coverage/edge_mask_table.hpp"
+#include "farfield/coverage/jitter.hpp"
+#include "farfield/coverage/lazy_depth.hpp"
+#include "farfield/coverage/pixels/mask_samples.hpp"
+#include "farfield/coverage/polygons/silhouette.hpp"
+#include "farfield/coverage/polygons/surface.hpp"
+#include "farfield/coverage/triage_mask.hpp"
+#include "farfield/raster/simd.hpp"
+
+namespace farfield {
+
+/// In which order polygons come.
+enum class CoverageOrder : std::uint8_t {
+    strict,  ///< front to back: what is covered stays as it is
+    lazy,    ///< any; nearly front to back costs little more than that
+};
+
+/// Where the masks of edges come from.
+enum class MaskSource : std::uint8_t {
+    exact,     ///< integer edge functions, many samples at a step
+    table,     ///< the paper's table of quantized edges (edge_mask_table.hpp): no faster, and off by some samples
+    jittered,  ///< exact, samples placed at random within their squares (jitter.hpp); depth is that of the centers
+};
+
+/// What a tiler is made of. Derive from one of these and hide what is to be different.
+struct LazyCoverage {
+    static constexpr CoverageOrder order = CoverageOrder::lazy;
+    static constexpr MaskSource masks = MaskSource::exact;
+    static constexpr std::size_t jitter_patterns = 16;
+    using samples = PixelSamples<BoxFilter>;  ///< or another filter, or SinglePixels: mask_samples.hpp
+    using work = CoverageWork;                ///< or CoverageWorkImage
+};
+struct StrictCoverage : LazyCoverage {
+    static constexpr CoverageOrder order = CoverageOrder::strict;
+};
+
+/// What polygons are tiled into.
+template <class Traits>
+struct CoverageTarget {
+    using samples_type = typename Traits::samples;
+    static constexpr bool is_lazy = Traits::order == CoverageOrder::lazy;
+    static constexpr MaskSource masks = Traits::masks;
+    /// How far from its regular center a sample may be, 1/256 sample.
+    static constexpr int reach_of_samples = masks == MaskSource::jittered ? 128 : 0;
+    struct Nothing {
+        void begin(const CoveragePyramid&) {}
+    };
+
+    CoveragePyramid pyramid;
+    samples_type samples;
+    std::conditional_t<is_lazy, LazyDepth, Nothing> lazy;
+    typename Traits::work work;
+    JitterPatterns patterns{masks == MaskSource::jittered ? Traits::jitter_patterns : 1};
+    int first_x = 0, first_y = 0;  ///< the first sample, relative to the center sample
+
+    void begin(int width_px, int height_px, int first_sample_x, int first_sample_y) {
+        pyramid.begin(width_px * samples_type::samples_a_side, height_px * samples_type::samples_a_side);
+        samples.begin(width_px, height_px);
+        lazy.begin(pyramid);
+        work.begin(pyramid);
+        first_x = first_sample_x;
+        first_y = first_sample_y;
+    }
+
+    MaskBlock block_at(int x, int y) const {
+        return {pyramid.index(1, x, y), x, y, 64 * x + first_x, 64 * y + first_y};
+    }
+
+    /// After all samples have come.
+    void resolve(Image& image) {
+        if constexpr (is_lazy) {
+            const auto columns = std::size_t(pyramid.columns(1));
+            for (const std::size_t at : lazy.deep_places()) {
+                const int x = int(at / 64 % columns), y = int(at / 64 / columns);
+                samples.replace(block_at(x, y), unsigned(at % 64), lazy.deep(at));
+            }
+        }
+        samples.resolve(image);
+    }
+};
+
+#define FARFIELD_LANES 1
+namespace one_lane {
+#include "farfield/coverage/tiler/coverage_tiler.inl"
+}  // namespace one_lane
+#undef FARFIELD_LANES
+
+#if defined(__x86_64__)
+#define FARFIELD_LANES 4
+namespace four_lanes {
+#include "farfield/coverage/tiler/coverage_tiler.inl"
+}  // namespace four_lanes
+#undef FARFIELD_LANES
+
+FARFIELD_BEGIN_EIGHT_LANES
+#define FARFIELD_LANES 8
+namespace eight_lanes {
+#include "farfield/coverage/tiler/coverage_tiler.inl"
+}  // namespace eight_lanes
+#undef FARFIELD_LANES
+FARFIELD_END_LANES
+
+FARFIELD_BEGIN_SIXTEEN_LANES
+#define FARFIELD_LANES 16
+namespace sixteen_lanes {
+#include "farfield/coverage/tiler/coverage_tiler.inl"
+}  // namespace sixteen_lanes
+#undef FARFIELD_LANES
+FARFIELD_END_LANES
+#endif
+
+/// The tiler for one target, as functions of one instruction set.
+template <class Target>
+struct CoverageTiler {
+    /// Tiles what is seen of a polygon, whose gradient it makes where it has to; false: nothing was.
+    bool (*tile)(Target&, TilePolygon&);
+    /// Whether anything in the box might be seen: "stopping if a visible sample is found" (section 5.2). Its silhouette
+    /// is grown by this many 1/256 samples.
+    bool (*is_seen)(Target&, const Silhouette&, int grown_by);
+
+    explicit CoverageTiler(Simd simd) : tile(&one_lane::tile<Target>), is_seen(&one_lane::is_seen<Target>) {
+#if defined(__x86_64__)
+        const int lanes = lanes_for(simd);
+        if (lanes >= 4) tile = &four_lanes::tile<Target>, is_seen = &four_lanes::is_seen<Target>;
+        if (lanes >= 8) tile = &eight_lanes::tile<Target>, is_seen = &eight_lanes::is_seen<Target>;
+        if (lanes >= 16) tile = &sixteen_lanes::tile<Target>, is_seen = &sixteen_lanes::is_seen<Target>;
+#else
+        static_cast<void>(simd);
+#endif
+    }
+};
+
+}  // namespace farfield

@@ -1,0 +1,96 @@
+// What is handed to a renderer: ranges of primitives and where they come from, and what stands in for a cell.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/fragments.hpp"
+#include "farfield/geometry/polygon.hpp"
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/primitive.hpp"
+
+namespace farfield {
+
+/// Positions [first, first + count) in a hierarchy's order of items.
+struct Range {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+    /// How the primitives of the cell that it belongs to go together, for a renderer that deposits the small ones.
+    /// Unset: unknown, or nobody asked; each primitive is then drawn for itself.
+    std::optional<AreaLaw> law{};
+};
+
+/// Where the primitives of a run come from. Spans stay valid as long as the viewer that hands it over.
+template <class P>
+struct Source {
+    std::span<const P> primitives;
+    std::span<const std::uint32_t> order;  ///< position -> index into primitives; empty: positions are indices
+    std::uint32_t item_count = 0;          ///< number of positions; larger than primitives.size() where shared or cut
+    glm::dvec3 origin{0};                  ///< subtract it from the primitive's coordinates to get the local ones
+    std::uint32_t id = 0;                  ///< what upload returned for it
+    Fragments fragments{};                 ///< what positions hold instead of whole primitives, if the partition cuts
+
+    /// The primitive, or the one that the position's fragment is a piece of.
+    const P& operator[](std::uint32_t position) const { return primitives[order.empty() ? position : order[position]]; }
+
+    /// Calls sink(Polygon) with what the position holds, in local coordinates: prefer it to the primitive's own
+    /// polygons, which a partition may have cut. Of an instance nothing.
+    template <class Sink>
+    void polygons(std::uint32_t position, Sink&& sink) const requires PrimitiveWithPolygons<P> {
+        if (!fragments.empty()) {
+            if (const Polygon fragment = fragments[position]; !fragment.vertices.empty()) sink(fragment);
+            return;
+        }
+        const P& primitive = (*this)[position];
+        if constexpr (PrimitiveWithInstance<P>) {
+            if (primitive_traits<P>::visit_instance(primitive, [](const auto&) {})) return;
+        }
+        local_polygons(primitive, origin, sink);
+    }
+};
+
+/// A node of a hierarchy, unique over all paths of instances and stable from frame to frame.
+struct CellId {
+    std::uint64_t path = 0;  ///< a hash of the primitives entered from the outermost hierarchy on; 0: none
+    std::uint32_t node = 0;
+};
+
+/// A far-field face: an axis-aligned rectangle in local coordinates, lower == upper on its axis.
+struct Face {
+    glm::vec3 lower;
+    glm::vec3 upper;
+    Rgba8 rgba;         ///< premultiplied; alpha is the opacity seen squarely
+    std::uint8_t side;  ///< 0..5: looks to -x, +x, -y, +y, -z, +z
+};
+
+/// A far-field cell small enough to have no shape: something of this opacity, deposited over an upright rectangle of
+/// the picture by the area law (geometry/area_law.hpp).
+struct Splat {
+    glm::vec3 center;
+    glm::vec2 size;  ///< width and height, as local lengths at the center's depth; above 0
+    float opacity;   ///< of what lies in it, 0 to 1
+    Rgba8 rgb;       ///< of what covers, not premultiplied; alpha holds the area law's class
+};
+
+/// Calls sink(Polygon) with a face, its color no longer premultiplied; not where nothing would be seen of it.
+template <class Sink>
+void emit_polygon(const Face& face, Sink&& sink) {
+    if (face.rgba.a == 0) return;
+    const int axis = face.side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    std::array<glm::vec3, 4> corners{face.lower, face.lower, face.upper, face.lower};
+    corners[1][u] = face.upper[u];
+    corners[3][v] = face.upper[v];
+    if ((face.side & 1) == 0) std::swap(corners[1], corners[3]);  // counter-clockwise seen from outside
+    const glm::vec4 c = to_vec4(face.rgba);
+    const Rgba8 color = to_rgba8(glm::vec4(glm::vec3(c) / c.a, c.a));
+    sink(Polygon{corners, {&color, 1}, /*is_lit=*/true});
+}
+
+}  // namespace farfield

@@ -1,0 +1,279 @@
+// How the cut is chosen: one descent over a hierarchy and the instances in it, which says what is to be drawn, and in
+// which order, to a sink that draws it at once or keeps it.
+//
+//     outside the frustum                                              -> cull
+//     has a stand-in whose error from here is within tolerance         -> draw the stand-in
+//     hidden as far as the sink can tell                               -> cull
+//     nothing below can stand in and all of it lies in the frustum     -> draw the subtree's primitives, one run (*)
+//     otherwise                                                        -> draw the own run, visit the children in order
+//
+// (*) Where the renderer deposits primitives and the cell's law is known, only if they are few: order matters then.
+//
+// The Render procedure of Chamberlain et al. 1995, section 3.1, with culling as in 1996; the fourth line is ours and
+// makes near geometry as cheap as without a hierarchy.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <span>
+#include <type_traits>
+
+#include "farfield/composition.hpp"
+#include "farfield/frame/instance_stack.hpp"
+#include "farfield/frame/source_table.hpp"
+#include "farfield/frame/subtree.hpp"
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/hierarchy/fingerprint.hpp"
+#include "farfield/spatial_hierarchy.hpp"
+
+namespace farfield {
+
+/// The order of a descent, settled at compile time. Translucent stand-ins need front to back, so that closed pixels
+/// stop work; a renderer that can only blend back to front is replayed them reversed after everything else.
+template <class H, class R>
+inline constexpr VisitOrder traversal_order =
+    H::approximation_type::facts.stands_in ? VisitOrder::front_to_back : R::facts.order;
+
+namespace detail {
+
+/// A hierarchy that a frame has entered: the outermost one, or an instance. Everything is borrowed.
+template <class H, class P>
+struct Entered {
+    using hierarchy_type = H;
+    using primitive_type = P;
+    const H& hierarchy;
+    Source<P> source;
+    const LocalView& view;
+    std::uint64_t path;  ///< as CellId's
+};
+
+/// Sink is told, in order:
+///
+///     enter(entered), leave(entered)                what lies between is in that hierarchy's coordinates
+///     run(entered, subtree, first, end, law)        positions that lie in a subtree; law unset: draw one by one
+///     stand_in(entered, subtree)                    the subtree's stand-in
+///     enter_instance(entered, position)             followed by enter() of what it holds; leave_instance(entered)
+///     hidden(entered, subtree) -> bool              whether it cannot be seen behind what came before
+///
+/// R is the renderer that it is chosen for. All but the sink is a viewer's own and lives from frame to frame.
+template <class R, class Sink>
+class Descent {
+  public:
+    /// `deposits`: in this frame runs carry their cells' laws, where they are known.
+    Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits)
+        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits) {}
+
+    template <class H, class P>
+    void enter(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path) {
+        static_assert(DrawableWith<H, P, R>, "the renderer must be able to draw what instances hold");
+        if (h.item_count() == 0) return;
+        SourceState& state = sources_.find(h, primitives);
+        if constexpr (H::assignment == Assignment::shared) state.begin_epoch();
+        Visit<H, P> v{{h, source_of(h, primitives, state.id), view, path}, state};
+        sink_.enter(v);
+        visit(v, whole_of(h), LawOf<Visit<H, P>>());
+        sink_.leave(v);
+    }
+
+  private:
+    template <class H, class P>
+    struct Visit : Entered<H, P> {
+        SourceState& state;
+    };
+
+    /// Drawing a subtree as one run gives up its order. Instances need it for the stand-ins inside of them, and a
+    /// renderer that wants cells front to back hides some behind others.
+    template <class V>
+    static constexpr bool may_draw_whole =
+        !PrimitiveWithInstance<typename V::primitive_type> && R::facts.order == VisitOrder::any;
+
+    /// Runs have a law only where both sides know what it is for; elsewhere nothing is carried down.
+    struct NoLaw {
+        constexpr operator std::optional<AreaLaw>() const { return {}; }
+    };
+    template <class V>
+    static constexpr bool carries_law =
+        R::facts.deposits_primitives&& V::hierarchy_type::approximation_type::facts.provides_area_law;
+    template <class V>
+    using LawOf = std::conditional_t<carries_law<V>, std::optional<AreaLaw>, NoLaw>;
+
+    /// `law` is that of the nearest ancestor with a stand-in.
+    template <class V>
+    void visit(V& v, Subtree subtree, LawOf<V> law) {
+        ++stats_.cells_visited;
+        if (is_outside(v.view.planes, subtree)) {
+            ++stats_.cells_outside;
+            return;
+        }
+        const auto& h = v.hierarchy;
+        const Node& node = h.nodes()[subtree.node];
+        if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
+            if (may_stand_in(v, subtree, node)) {
+                draw_stand_in(v, subtree);
+                return;
+            }
+        }
+        const std::uint32_t items = subtree.end_item - node.first_item;
+        if constexpr (R::facts.answers_hidden) {
+            if (items >= min_items_for_occlusion_query && sink_.hidden(v, subtree)) {
+                ++stats_.cells_hidden;
+                return;
+            }
+        }
+        bool as_one_run = subtree.crossed_planes == 0 || items <= max_items_unculled;
+        if constexpr (carries_law<V>) {
+            if (deposits_ && subtree.has_stand_in()) {
+                law = h.approximation_policy().area_law(h.stand_ins()[subtree.stand_in]);
+            }
+            if (law) as_one_run = items <= max_items_per_deposited_run;
+        }
+        if (node.child_mask == 0 || (may_draw_whole<V> && as_one_run && !may_stand_in_below(v, subtree, node))) {
+            draw_items(v, subtree, node.first_item, law);
+        } else {
+            visit_children(v, subtree, node, law);
+        }
+    }
+
+    template <class V>
+    static bool may_stand_in(const V& v, const Subtree& subtree, const Node& node) {
+        // A tolerance of 0 means every primitive, also of a cell without extent.
+        if (!subtree.has_stand_in() || !(v.view.tolerance_px > 0)) return false;
+        const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
+        return v.hierarchy.approximation_policy().error_px(data, subtree.cell, v.view) *
+                   error_of_replaced_levels(node) <=
+               v.view.tolerance_px;
+    }
+
+    /// False only if no cell below can be drawn by its stand-in.
+    template <class V>
+    static bool may_stand_in_below(const V& v, const Subtree& subtree, const Node& node) {
+        using H = typename V::hierarchy_type;
+        using A = typename H::approximation_type;
+        // Level 0 is the node itself, whose stand-in was asked first.
+        if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return false;
+        if constexpr (A::facts.bounds_error && H::partition_type::facts.children_are_octants) {
+            return v.hierarchy.approximation_policy().least_error_px(subtree.cell, node.stand_in_levels_below,
+                                                                     v.view) <= v.view.tolerance_px;
+        } else {
+            return true;
+        }
+    }
+
+    template <class V>
+    void visit_children(V& v, const Subtree& subtree, const Node& node, LawOf<V> law) {
+        const auto& h = v.hierarchy;
+        h.prefetch_data_of(node.first_child);
+        const std::size_t own_instances = instances_.size();
+        const std::uint32_t own_end = h.nodes()[node.first_child].first_item;
+        if (own_end != node.first_item) gather_items(v, subtree, node.first_item, own_end, law);
+        std::size_t next_instance = own_instances;
+        for_each_child<traversal_order<typename V::hierarchy_type, R>>(
+            h, subtree, v.view.viewpoint(), [&](const Subtree& child) {
+                next_instance = draw_gathered(v, next_instance, order_key(v, child.cell.bounds_center));
+                visit(v, child, law);
+            });
+        draw_gathered(v, next_instance, std::numeric_limits<float>::infinity());
+        instances_.resize(own_instances);
+    }
+
+    template <class V>
+    void draw_stand_in(V& v, const Subtree& subtree) {
+        ++stats_.approximations;
+        ++stats_.approximations_by_level[std::min<int>(subtree.cell.depth, FrameStats::max_levels - 1)];
+        stats_.touched_bytes += sizeof(typename V::hierarchy_type::stand_in_data);
+        sink_.stand_in(v, subtree);
+    }
+
+    /// Positions from `first` to the subtree's end, and what the instances among them hold.
+    template <class V>
+    void draw_items(V& v, const Subtree& subtree, std::uint32_t first, LawOf<V> law) {
+        const std::size_t base = instances_.size();
+        gather_items(v, subtree, first, subtree.end_item, law);
+        draw_gathered(v, base, std::numeric_limits<float>::infinity());
+        instances_.resize(base);
+    }
+
+    /// Draws whatever is no instance; instances go on the stack, front to back by their centers.
+    template <class V>
+    void gather_items(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
+        if (!v.source.order.empty()) stats_.touched_bytes += std::uint64_t(end - first) * sizeof(std::uint32_t);
+        if constexpr (PrimitiveWithInstance<typename V::primitive_type>) {
+            instances_.gather(
+                v.source, first, end, [&](glm::vec3 p) { return order_key(v, p); },
+                [&](std::uint32_t at) { return is_new(v, at); },
+                [&](std::uint32_t from, std::uint32_t to) { add_run(v, subtree, from, to, law); });
+        } else {
+            add_run(v, subtree, first, end, law);
+        }
+    }
+
+    /// Those of the stack from `next` on that come before a key; returns the first that does not.
+    template <class V>
+    std::size_t draw_gathered(V& v, std::size_t next, float end_key) {
+        using P = typename V::primitive_type;
+        if constexpr (PrimitiveWithInstance<P>) {
+            return instances_.draw_before(next, end_key, [&](std::uint32_t position) {
+                const P& p = v.source[position];
+                primitive_traits<P>::visit_instance(p, [&](const auto& instance) {
+                    draw_instance(v, instance, position, std::uint64_t(&p - v.source.primitives.data()));
+                });
+            });
+        } else {
+            return next;
+        }
+    }
+
+    /// Nearer ones first, or, for a renderer that paints, the other way around.
+    template <class V>
+    static float order_key(const V& v, glm::vec3 p) {
+        const float distance = v.view.is_perspective ? glm::distance(p, v.view.eye) : v.view.depth(p);
+        return traversal_order<typename V::hierarchy_type, R> == VisitOrder::back_to_front ? -distance : distance;
+    }
+
+    template <class V, class I>
+    void draw_instance(V& v, const I& instance, std::uint32_t position, std::uint64_t primitive) {
+        ++stats_.instances;
+        const LocalView inner = v.view.inside(instance.to_world, v.hierarchy.origin(), instance.hierarchy->origin());
+        sink_.enter_instance(v, position);
+        enter(*instance.hierarchy, instance.primitives, inner, mixed(v.path, primitive + 1));
+        sink_.leave_instance(v);
+    }
+
+    /// Shared items are in several cells and are drawn once a frame.
+    template <class V>
+    static bool is_new(V& v, std::uint32_t position) {
+        if constexpr (V::hierarchy_type::assignment == Assignment::shared) {
+            return v.state.is_new(v.source.order.empty() ? position : v.source.order[position]);
+        } else {
+            return true;
+        }
+    }
+
+    template <class V>
+    void add_run(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
+        if constexpr (V::hierarchy_type::assignment == Assignment::shared) {
+            std::uint32_t begin = first;
+            for (std::uint32_t at = first; at < end; ++at) {
+                if (is_new(v, at)) continue;
+                if (begin != at) sink_.run(v, subtree, begin, at, law);
+                begin = at + 1;
+            }
+            first = begin;
+        }
+        if (first != end) sink_.run(v, subtree, first, end, law);
+    }
+
+    SourceTable<R>& sources_;
+    InstanceStack& instances_;
+    FrameStats& stats_;
+    Sink& sink_;
+    bool deposits_;
+};
+
+}  // namespace detail
+}  // namespace farfield

@@ -1,0 +1,127 @@
+// A descent's sink, or a selection's, that draws at once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <type_traits>
+
+#include "farfield/approximation.hpp"
+#include "farfield/drawables.hpp"
+#include "farfield/frame/draw_queue.hpp"
+#include "farfield/frame/selection.hpp"
+#include "farfield/frame/source_table.hpp"
+#include "farfield/frame/subtree.hpp"
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/visit_order.hpp"
+
+namespace farfield {
+
+/// Stand-ins as they are.
+struct AsTheyAre {};
+
+namespace detail {
+
+/// Borrows queue and renderer. `Tint` is AsTheyAre, or something called with a Subtree that gives the color, not
+/// premultiplied, which its stand-in is drawn in; opacity stays.
+template <class R, class Tint = AsTheyAre>
+class DrawNow {
+  public:
+    DrawNow(R& renderer, DrawQueue<R>& queue, const Tint& tint) : renderer_(renderer), queue_(queue), tint_(tint) {}
+
+    template <class V>
+    void enter(const V& v) {
+        queue_.set_view(v.view);
+    }
+    template <class V>
+    void leave(const V& v) {
+        queue_.flush(v.source);
+    }
+    template <class V>
+    void enter_instance(const V& v, std::uint32_t) {
+        queue_.flush(v.source);
+    }
+    template <class V>
+    void leave_instance(const V& v) {
+        queue_.set_view(v.view);
+    }
+    template <class V>
+    void run(const V& v, const Subtree&, std::uint32_t first, std::uint32_t end, std::optional<AreaLaw> law) {
+        queue_.add_run(v.source, first, end, law);
+    }
+    template <class V>
+    void stand_in(const V& v, const Subtree& subtree) {
+        const auto& h = v.hierarchy;
+        const StandInSink<V> sink{*this, v, subtree, queue_.splat_limit_px()};
+        draw_stand_in(h.approximation_policy(), h.stand_ins()[subtree.stand_in], h.pool(), subtree.cell, v.view, sink);
+    }
+    template <class V>
+    bool hidden(const V& v, const Subtree& subtree) {
+        // What waits lies in front and may be what hides it.
+        if constexpr (R::facts.order == VisitOrder::front_to_back) queue_.flush(v.source);
+        return renderer_.hidden(subtree.cell, CellId{v.path, subtree.node});
+    }
+
+  private:
+    template <class V>
+    struct StandInSink {
+        DrawNow& to;
+        const V& v;
+        const Subtree& subtree;
+        float splat_limit_px;
+
+        void operator()(Face face) const {
+            if constexpr (!std::is_same_v<Tint, AsTheyAre>) {
+                const Rgba8 c = to.tint_(subtree);
+                const auto premultiplied = [&](std::uint8_t channel) {
+                    return std::uint8_t((unsigned(channel) * face.rgba.a + 127) / 255);
+                };
+                face.rgba = {premultiplied(c.r), premultiplied(c.g), premultiplied(c.b), face.rgba.a};
+            }
+            to.queue_.add(v.source, face);
+        }
+        void operator()(Splat splat) const {
+            if constexpr (!std::is_same_v<Tint, AsTheyAre>) {
+                const Rgba8 c = to.tint_(subtree);
+                splat.rgb = {c.r, c.g, c.b, splat.rgb.a};  // alpha is the law
+            }
+            to.queue_.add(v.source, splat);
+        }
+    };
+
+    R& renderer_;
+    DrawQueue<R>& queue_;
+    const Tint& tint_;
+};
+
+/// Tells a DrawNow what a selection holds, as a descent did when it was selected.
+template <class R, class Sink>
+struct DrawSelected {
+    SourceTable<R>& sources;
+    Sink& sink;
+    bool deposits;
+
+    template <class H, class P>
+    std::uint32_t source_id(const H& h, std::span<const P> primitives) const {
+        return sources.find(h, primitives).id;
+    }
+    void enter(const auto& entered) { sink.enter(entered); }
+    void leave(const auto& entered) { sink.leave(entered); }
+    void leave_instance(const auto& entered) { sink.leave_instance(entered); }
+    template <class E>
+    void operator()(const E& entered, const Selected& s) {
+        switch (s.kind) {
+            case Selected::Kind::run:
+                return sink.run(entered, s.subtree, s.first, s.end, deposits ? s.law : std::nullopt);
+            case Selected::Kind::stand_in:
+                if constexpr (E::hierarchy_type::approximation_type::facts.stands_in) sink.stand_in(entered, s.subtree);
+                return;
+            case Selected::Kind::instance:
+                return sink.enter_instance(entered, s.first);
+        }
+    }
+};
+
+}  // namespace detail
+}  // namespace farfield

@@ -1,0 +1,90 @@
+// A node as a descent meets it, with what follows from the way down: nodes themselves are 16 bytes and know none of it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/visit_order.hpp"
+#include "farfield/spatial_hierarchy.hpp"
+#include "farfield/view/frustum.hpp"
+
+namespace farfield {
+
+struct Subtree {
+    static constexpr std::uint32_t no_stand_in = std::numeric_limits<std::uint32_t>::max();
+
+    Cell cell;
+    std::uint32_t node = 0;
+    std::uint32_t end_item = 0;             ///< its positions end here; they begin with the node's own run
+    std::uint32_t stand_in = no_stand_in;   ///< index into the hierarchy's stand_ins()
+    PlaneMask crossed_planes = all_planes;  ///< those of the view that its bounds may cross
+
+    bool has_stand_in() const { return stand_in != no_stand_in; }
+};
+
+template <class H>
+Subtree whole_of(const H& hierarchy) {
+    Subtree whole;
+    whole.cell = hierarchy.root_cell();
+    whole.end_item = hierarchy.item_count();
+    if (hierarchy.root_stand_in() != nullptr) whole.stand_in = 0;
+    return whole;
+}
+
+namespace detail {
+
+inline constexpr auto bits_set = [] {
+    std::array<std::uint8_t, 256> table{};
+    for (unsigned i = 1; i < 256; ++i) table[i] = std::uint8_t(table[i / 2] + i % 2);
+    return table;
+}();
+
+/// The subtree below one of the children that a node has: `node` is the parent's, `node_data` what the partition keeps
+/// of it.
+template <class H>
+Subtree child_of(const H& hierarchy, const Subtree& parent, const Node& node, const typename H::node_data& node_data,
+                 unsigned child) {
+    const unsigned below = (1u << child) - 1;
+    const unsigned rank = bits_set[node.child_mask & below];
+    Subtree s;
+    s.cell = hierarchy.partition_policy().child(parent.cell, node_data, child);
+    s.node = node.first_child + rank;
+    s.end_item = rank + 1u < bits_set[node.child_mask] ? hierarchy.nodes()[s.node + 1].first_item : parent.end_item;
+    if constexpr (H::approximation_type::facts.stands_in) {
+        if (node.stand_in_mask >> child & 1) s.stand_in = node.first_child_data + bits_set[node.stand_in_mask & below];
+    }
+    s.crossed_planes = parent.crossed_planes;
+    return s;
+}
+
+}  // namespace detail
+
+/// Calls f(Subtree) for each child, in an order; children cross no planes but those that their parent crosses.
+template <VisitOrder order, class H, class F>
+void for_each_child(const H& hierarchy, const Subtree& parent, glm::vec4 viewpoint, F&& f) {
+    const Node& node = hierarchy.nodes()[parent.node];
+    const auto& node_data = hierarchy.data_of(parent.node);
+    ChildOrder children{0, 1, 2, 3, 4, 5, 6, 7};
+    if constexpr (order != VisitOrder::any) {
+        hierarchy.partition_policy().front_to_back(parent.cell, node_data, viewpoint, children);
+    }
+    for (std::size_t i = 0; i < children.size(); ++i) {
+        const unsigned child = children[order == VisitOrder::back_to_front ? children.size() - 1 - i : i];
+        if ((node.child_mask >> child & 1) == 0) continue;
+        f(detail::child_of(hierarchy, parent, node, node_data, child));
+    }
+}
+
+/// Keeps in mind which of the view's planes a subtree's bounds still cross. True if they lie outside of one.
+inline bool is_outside(const std::array<glm::vec4, 5>& planes, Subtree& subtree) {
+    if (subtree.crossed_planes == 0) return false;
+    subtree.crossed_planes =
+        crossed_planes(planes, subtree.cell.bounds_center, subtree.cell.bounds_half, subtree.crossed_planes);
+    return subtree.crossed_planes == outside_a_plane;
+}
+
+}  // namespace farfield

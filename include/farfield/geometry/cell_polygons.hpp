@@ -1,0 +1,115 @@
+// What a partition that cuts sees of a cell's contents: convex polygons, and instances, which are never cut.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "farfield/geometry/box.hpp"
+#include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/clip_polygon.hpp"
+
+namespace farfield {
+
+/// A piece of a polygon, or an instance, while the hierarchy is built.
+struct ClippedItem {
+    Box bounds;                      ///< local coordinates
+    std::uint32_t source = 0;        ///< index of the primitive; of polygons that were joined that of the first
+    std::uint32_t polygon = 0;       ///< whose supporting plane it keeps, however often it is cut
+    std::uint32_t first_corner = 0;  ///< in the builder's array
+    std::uint32_t corners = 0;       ///< 0: an instance
+    float cost = 0;                  ///< of drawing one of its triangles; of an instance, of all of it
+};
+
+/// dot(normal, p) = offset: the best that single precision has for the polygon's own vertices.
+struct SupportingPlane {
+    glm::vec3 normal{0};
+    double offset = 0;
+};
+
+/// Where something lies: `crossing` is on both sides.
+enum class PlaneRelation : std::uint8_t { behind, on, in_front, crossing };
+
+/// A cell's contents, instances first.
+class ClippedItems {
+  public:
+    ClippedItems(std::span<const ClippedItem> items, std::span<const Corner> corners,
+                 std::span<const SupportingPlane> planes)
+        : items_(items), corners_(corners), planes_(planes) {
+        instances_ = std::size_t(
+            std::partition_point(items.begin(), items.end(), [](const ClippedItem& i) { return i.corners == 0; }) -
+            items.begin());
+    }
+
+    std::size_t size() const { return items_.size(); }
+    std::size_t instances() const { return instances_; }  ///< items [0, instances()) are some
+    const ClippedItem& operator[](std::size_t i) const { return items_[i]; }
+    std::span<const Corner> polygon(std::size_t i) const {
+        return corners_.subspan(items_[i].first_corner, items_[i].corners);
+    }
+    glm::vec3 normal(std::size_t i) const { return planes_[items_[i].polygon].normal; }
+    /// The plane that a polygon lies in.
+    CuttingPlane plane_of(std::size_t i, const Cell& cell) const {
+        const SupportingPlane& p = planes_[items_[i].polygon];
+        return {p.normal, float(p.offset - glm::dot(glm::dvec3(p.normal), glm::dvec3(cell.center)))};
+    }
+
+    /// Pieces of the polygon that the plane was laid through lie on it, whatever rounding made of their corners. An
+    /// instance as thin as the plane counts as in front of it: it is never `on`.
+    PlaneRelation relation(std::size_t i, const CuttingPlane& plane, const PlaneInCell& in_cell,
+                           const Cell& cell) const {
+        const ClippedItem& item = items_[i];
+        const glm::dvec3 lower(item.bounds.lower), upper(item.bounds.upper);
+        const double middle = 0.5 * (in_cell.height(item.bounds.lower) + in_cell.height(item.bounds.upper));
+        const double reach = 0.5 * glm::dot(glm::abs(in_cell.normal()), upper - lower);
+        const double tolerance = in_cell.tolerance();
+        if (item.corners == 0) {
+            if (middle - reach >= -tolerance) return PlaneRelation::in_front;
+            return middle + reach <= tolerance ? PlaneRelation::behind : PlaneRelation::crossing;
+        }
+        const bool may_be_own = plane.normal == planes_[item.polygon].normal;
+        if (!may_be_own && middle - reach > tolerance) return PlaneRelation::in_front;
+        if (!may_be_own && middle + reach < -tolerance) return PlaneRelation::behind;
+        bool behind = false, in_front = false;
+        for (const Corner& c : polygon(i)) {
+            const double h = in_cell.height(c.position);
+            behind = behind || h < -tolerance;
+            in_front = in_front || h > tolerance;
+        }
+        if (!(behind || in_front) || (may_be_own && plane == plane_of(i, cell))) return PlaneRelation::on;
+        return behind && in_front ? PlaneRelation::crossing : behind ? PlaneRelation::behind : PlaneRelation::in_front;
+    }
+
+    /// Whether any order of them is right, from wherever they are seen: one item, or polygons in one plane.
+    bool need_no_order(const Cell& cell) const {
+        if (size() <= 1) return true;
+        if (instances_ != 0) return false;
+        const CuttingPlane plane = plane_of(0, cell);
+        const PlaneInCell in_cell(plane, cell);
+        for (std::size_t i = 1; i < size(); ++i) {
+            if (relation(i, plane, in_cell, cell) != PlaneRelation::on) return false;
+        }
+        return true;
+    }
+
+  private:
+    std::span<const ClippedItem> items_;
+    std::span<const Corner> corners_;
+    std::span<const SupportingPlane> planes_;
+    std::size_t instances_ = 0;
+};
+
+/// How a cell is cut: up to three planes, one after the other. No instance may cross one.
+struct Cuts {
+    std::array<CuttingPlane, 3> planes;
+    unsigned count = 0;
+    unsigned children = 0;  ///< of which empty ones are left out
+};
+/// Of each of the planes.
+using Sides = std::array<Side, 3>;
+
+}  // namespace farfield

@@ -1,0 +1,119 @@
+// Convex polygons cut by planes, so that whoever shares an edge gets the same point of it, bit by bit.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/rgba8.hpp"
+
+namespace farfield {
+
+/// dot(normal, p - center of a cell) = offset. Relative to the cell: far from the origin an absolute offset in single
+/// precision would miss the polygon that the plane was laid through.
+struct CuttingPlane {
+    glm::vec3 normal{0};  ///< of unit length
+    float offset = 0;
+
+    friend bool operator==(const CuttingPlane&, const CuttingPlane&) = default;
+};
+
+enum class Side : std::uint8_t { behind, on, in_front };
+
+/// A plane in its cell, in double precision: cutting and finding the viewer's side go by the same numbers.
+class PlaneInCell {
+  public:
+    PlaneInCell(const CuttingPlane& plane, const Cell& cell)
+        : normal_(plane.normal),
+          offset_(double(plane.offset) + glm::dot(glm::dvec3(plane.normal), glm::dvec3(cell.center))) {
+        // Two steps of the largest coordinate: cut points are rounded to them, by up to sqrt(3) / 2 in all.
+        const glm::dvec3 reach = glm::abs(glm::dvec3(cell.center)) + glm::dvec3(cell.half);
+        tolerance_ = 0x1p-22 * glm::max(reach.x, glm::max(reach.y, reach.z));
+    }
+
+    const glm::dvec3& normal() const { return normal_; }
+    /// What is no farther from the plane than this lies on it.
+    double tolerance() const { return tolerance_; }
+    double height(glm::vec3 p) const { return glm::dot(normal_, glm::dvec3(p)) - offset_; }
+    /// Likewise 0 where a point counts as on the plane.
+    double height_or_on(glm::vec3 p) const {
+        const double h = height(p);
+        return std::abs(h) <= tolerance_ ? 0 : h;
+    }
+    /// Of a viewpoint as LocalView gives it; only the sign means something.
+    double height(glm::vec4 p) const { return glm::dot(normal_, glm::dvec3(glm::vec3(p))) - offset_ * double(p.w); }
+
+  private:
+    glm::dvec3 normal_;
+    double offset_ = 0, tolerance_ = 0;
+};
+
+/// A vertex and its color, not premultiplied.
+struct Corner {
+    glm::vec3 position{0};
+    Rgba8 color;
+};
+
+/// Twice the area of a convex polygon along its normal (Newell). Exactly 0 where all corners lie on one line, unless
+/// coordinates differ by a factor of 2^29.
+inline glm::dvec3 doubled_area(std::span<const Corner> polygon) {
+    glm::dvec3 sum(0);
+    const glm::dvec3 first(polygon.empty() ? glm::vec3(0) : polygon[0].position);
+    for (std::size_t i = 2; i < polygon.size(); ++i) {
+        sum += glm::cross(glm::dvec3(polygon[i - 1].position) - first, glm::dvec3(polygon[i].position) - first);
+    }
+    return sum;
+}
+
+/// Where the edge a b, whose ends lie on different sides, meets the plane. The same whichever end comes first.
+inline Corner crossing(Corner a, double height_a, Corner b, double height_b) {
+    const auto is_before = [](glm::vec3 p, glm::vec3 q) {
+        return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
+    };
+    if (is_before(b.position, a.position)) {
+        std::swap(a, b);
+        std::swap(height_a, height_b);
+    }
+    const double t = height_a / (height_a - height_b);
+    const auto byte = [&](std::uint8_t p, std::uint8_t q) {
+        return std::uint8_t(double(p) + (double(q) - double(p)) * t + 0.5);
+    };
+    const glm::dvec3 from(a.position), to(b.position);
+    return {glm::vec3(from + (to - from) * t),
+            {byte(a.color.r, b.color.r), byte(a.color.g, b.color.g), byte(a.color.b, b.color.b),
+             byte(a.color.a, b.color.a)}};
+}
+
+/// Appends the part of a convex polygon on one side of a plane, in its order; corners on the plane go to both sides.
+/// Nothing is appended where rounding leaves no area, seen along `normal`.
+inline bool append_part(std::span<const Corner> polygon, const PlaneInCell& plane, Side side, glm::vec3 normal,
+                        std::vector<Corner>& out) {
+    const double sign = side == Side::behind ? -1 : 1;
+    const std::size_t begin = out.size();
+    const auto add = [&](const Corner& c) {
+        if (out.size() == begin || out.back().position != c.position) out.push_back(c);
+    };
+    double from = plane.height_or_on(polygon[0].position);
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const std::size_t next = i + 1 < polygon.size() ? i + 1 : 0;
+        const double to = plane.height_or_on(polygon[next].position);
+        if (from * sign >= 0) add(polygon[i]);
+        if ((from < 0 && to > 0) || (from > 0 && to < 0)) add(crossing(polygon[i], from, polygon[next], to));
+        from = to;
+    }
+    while (out.size() > begin + 1 && out.back().position == out[begin].position) out.pop_back();
+    const std::span<const Corner> part(out.data() + begin, out.size() - begin);
+    if (part.size() >= 3 && glm::dot(doubled_area(part), glm::dvec3(normal)) > 0) return true;
+    out.resize(begin);
+    return false;
+}
+
+}  // namespace farfield

@@ -1,0 +1,18 @@
+// In which order the parts of a scene are visited, and what an order promises.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace farfield {
+
+/// In which order cells are visited.
+enum class VisitOrder : std::uint8_t { any, front_to_back, back_to_front };
+
+/// How strict an order is: it holds nowhere, between cells, or between primitives.
+enum class OrderGuarantee : std::uint8_t { none, cells, primitives };
+
+/// Numbers of a node's children, of which there are at most eight, in the order in which they are to be visited.
+using ChildOrder = std::array<std::uint8_t, 8>;
+
+}  // namespace farfield

@@ -1,0 +1,49 @@
+// What a hierarchy is an array of, and the numbers that a frame and a build must agree on.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+namespace farfield {
+
+/// 16 bytes, as they lie in files. Siblings lie next to each other; blocks of siblings follow depth first. So the
+/// proper descendants of a node are one range of nodes and of stand-ins, and its subtree's items, own run first, are
+/// one range of positions. Where a run or subtree ends follows from what comes next and is not stored.
+struct Node {
+    static constexpr std::uint8_t nothing_below = 255;
+
+    std::uint32_t first_child = 0;       ///< 0: none
+    std::uint32_t first_item = 0;        ///< own run first, then each child's subtree
+    std::uint32_t first_child_data = 0;  ///< of the first child that has a stand-in; others follow by rank
+    std::uint8_t child_mask = 0;         ///< which of the partition's children exist; absent ones were empty
+    std::uint8_t stand_in_mask = 0;      ///< which of them have a stand-in
+    std::uint8_t stand_in_levels_below = nothing_below;  ///< below this node, itself 0, the reach of others counted
+    /// How many levels of stand-ins below it its own one reproduces: it may be drawn in their place, and where it may
+    /// not they are missing. 0 for most.
+    std::uint8_t levels_replaced = 0;
+
+    friend bool operator==(const Node&, const Node&) = default;
+};
+static_assert(sizeof(Node) == 16);
+
+/// A cell with fewer items is not asked about: whether it is hidden costs about as much to know as drawing ten of them.
+inline constexpr std::uint32_t min_items_for_occlusion_query = 25;
+
+/// A subtree of at most this many items that has no stand-ins is drawn as one run, even where it crosses the frustum's
+/// border, so cells in it are of no use: culling pays above.
+inline constexpr std::uint32_t max_items_unculled = 128;
+
+/// More items than this that a renderer may deposit are visited cell by cell, front to back: what is deposited covers
+/// what comes later, in front of it or not. In runs of 128, point sampling told the inner triangles of a molecule from
+/// the outer ones better; 16 is no better than 32.
+inline constexpr std::uint32_t max_items_per_deposited_run = 32;
+
+namespace detail {
+/// What the error is multiplied by of a stand-in that is drawn in place of those `levels_replaced` levels below it.
+inline float error_of_replaced_levels(const Node& node) {
+    return std::bit_cast<float>((127u - std::min<unsigned>(node.levels_replaced, 126u)) << 23);
+}
+}  // namespace detail
+
+}  // namespace farfield

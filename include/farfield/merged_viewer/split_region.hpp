@@ -1,0 +1,117 @@
+// Parts of several bodies in one part of space, and a plane that is best to tell some of them from the others.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "farfield/frame/subtree.hpp"
+#include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/fragments.hpp"
+#include "farfield/merged_viewer/body_frame.hpp"
+#include "farfield/merged_viewer/clip_stack.hpp"
+
+namespace farfield::detail {
+
+/// A subtree of a body, cut by planes.
+struct BodyPart : Subtree {
+    Box box = Box::empty();  ///< around what is left of it
+    std::uint32_t body = 0;
+    ClipList clips{};
+    bool visibility_tested = false;  ///< whether it may be seen, since it was cut or something drawn in front of it
+};
+
+struct SidesOfPlane {
+    std::vector<BodyPart> behind, in_front;
+};
+
+/// Parts on their sides of a plane of a body, which crosses none of that body's own; what crosses it goes to both,
+/// cut.
+inline void divide(std::span<const BodyPart> parts, std::span<const BodyFrame> bodies, std::uint32_t body,
+                   const PlaneInCell& plane, ClipStack& clips, SidesOfPlane& sides) {
+    sides.behind.clear();
+    sides.in_front.clear();
+    for (const BodyPart& part : parts) {
+        const PlaneInCell seen = bodies[part.body].seen(bodies[body], plane, part.cell);
+        const PlaneRelation relation = side_of_box(seen, part.box);
+        for (const Side side : {Side::behind, Side::in_front}) {
+            std::vector<BodyPart>& there = side == Side::behind ? sides.behind : sides.in_front;
+            if (relation == (side == Side::behind ? PlaneRelation::in_front : PlaneRelation::behind)) continue;
+            there.push_back(part);
+            if (relation != PlaneRelation::crossing) continue;
+            there.back().clips = clips.with(part.clips, seen, side);
+            there.back().visibility_tested = false;
+        }
+    }
+}
+
+/// That of the largest of some polygons in one plane, positions [first, end).
+inline PlaneInCell plane_of_polygons(const Fragments& polygons, std::uint32_t first, std::uint32_t end,
+                                     const Cell& cell) {
+    glm::dvec3 largest(0);
+    std::span<const glm::vec3> its_vertices;
+    for (std::uint32_t at = first; at < end; ++at) {
+        const std::span<const glm::vec3> v = polygons[at].vertices;
+        glm::dvec3 area(0);
+        for (std::size_t i = 2; i < v.size(); ++i) {
+            area += glm::cross(glm::dvec3(v[i - 1]) - glm::dvec3(v[0]), glm::dvec3(v[i]) - glm::dvec3(v[0]));
+        }
+        if (!its_vertices.empty() && !(glm::dot(area, area) > glm::dot(largest, largest))) continue;
+        largest = area;
+        its_vertices = v;
+    }
+    CuttingPlane plane{glm::vec3(glm::normalize(largest)), 0};
+    double offset = 0;
+    for (const glm::vec3& v : its_vertices) {
+        offset += glm::dot(glm::dvec3(plane.normal), glm::dvec3(v) - glm::dvec3(cell.center));
+    }
+    plane.offset = float(offset / double(its_vertices.size()));
+    return PlaneInCell(plane, cell);
+}
+
+/// A face of the box around parts[part].
+struct SeparatingFace {
+    std::size_t part = 0;
+    int face = 0;
+};
+
+/// The face that divides parts most evenly, and cuts none of them, or, where there are many, few. It costs less than
+/// any plane within a body: bodies whose boxes do not meet are never cut.
+inline std::optional<SeparatingFace> separating_face(std::span<const BodyPart> parts,
+                                                     std::span<const BodyFrame> bodies) {
+    constexpr std::size_t most_boxes = 8;
+    constexpr int price_of_cut = 4;
+    std::optional<SeparatingFace> best;
+    int least = std::numeric_limits<int>::max();
+    const std::size_t boxes = std::min(parts.size(), most_boxes);
+    for (std::size_t k = 0; k < boxes; ++k) {
+        const std::size_t of = k * parts.size() / boxes;
+        for (int face = 0; face < 6; ++face) {
+            const PlaneInCell plane = face_of_box(parts[of].box, face, parts[of].cell);
+            int cut = 0, in_front = 0;
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                if (i == of) continue;
+                const PlaneRelation relation =
+                    side_of_box(bodies[parts[i].body].seen(bodies[parts[of].body], plane, parts[i].cell), parts[i].box);
+                cut += relation == PlaneRelation::crossing;
+                in_front += relation == PlaneRelation::in_front;
+            }
+            const int behind = int(parts.size()) - in_front - cut;
+            const int price = std::abs(behind - in_front) + price_of_cut * cut;
+            if (in_front == 0 || price_of_cut * cut > std::min(behind, in_front) || price >= least) continue;
+            least = price;
+            best = SeparatingFace{of, face};
+            if (least <= int(parts.size() % 2)) return best;
+        }
+    }
+    return best;
+}
+
+}  // namespace farfield::detail

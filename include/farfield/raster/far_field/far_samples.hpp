@@ -1,0 +1,221 @@
+// The far field of a picture: for each sample the color deposited and the transmittance left, by the area law
+// (geometry/area_law.hpp).
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/raster/far_field/far_sample.hpp"
+#include "farfield/raster/far_field/transmittance_lanes.hpp"
+#include "farfield/raster/sample_rect.hpp"
+
+namespace farfield {
+
+/// Samples are addressed from the upper left one. Deposits come front to back over a z-buffer of geometry, `depth`, row
+/// by row, larger when nearer: a deposit behind it is dropped. A sample that lets nothing through any more, or whose
+/// geometry lies in front of a deposit, is *closed*: nothing that comes later in that order can change it.
+class FarSamples {
+  public:
+    using Sample = FarSample;
+
+    /// Either below 2^15.
+    void resize(int width, int height) {
+        width_ = width;
+        height_ = height;
+        words_ = std::size_t((width + 63) / 64);
+        samples_.clear();
+        first_deposit_.clear();
+        bits_.assign(words_ * std::size_t(height), {});
+        rect_ = {};
+        has_begun_ = any_closed_ = false;
+    }
+
+    /// Only what was deposited since the last time.
+    void clear() {
+        for_touched([&](int x, int y) { samples_[index(x, y)] = {}; });
+        // Only where something was deposited can anything be closed.
+        for (int y = rect_.y0; y < rect_.y1; ++y) {
+            const auto words = bits_.begin() + std::ptrdiff_t(std::size_t(y) * words_);
+            std::fill(words + (rect_.x0 >> 6), words + ((rect_.x1 - 1) >> 6) + 1, Bits{});
+        }
+        rect_ = {};
+        has_begun_ = any_closed_ = false;
+    }
+
+    /// Before the first deposit of a frame: memory is taken by the first frame that has one.
+    void begin() {
+        has_begun_ = true;
+        if (!samples_.empty()) return;
+        samples_.assign(std::size_t(width_) * std::size_t(height_), {});
+        first_deposit_.resize(samples_.size());
+    }
+    bool has_begun() const { return has_begun_; }
+    /// Holds all samples deposited into.
+    const SampleRect& rect() const { return rect_; }
+
+    /// Into samples [begin, end) of row y, inside the picture, each covered whole; `rgb` in [0, 1]; q(x) is the depth.
+    template <class Depth>
+    void deposit_row(const float* depth, int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
+        const Row row = row_of(depth, y);
+        const native_lanes::Deposit deposit(loss, rgb);
+        const native_lanes::Square whole(0, 0, 1, 1, 1, 1);
+        const auto columns = whole.columns(0);
+        const auto rows = whole.rows(0);
+        rect_.add(begin, y, end, y + 1);
+        bool closed = false;
+        for (int x = begin; x < end; ++x) closed |= into(row, x, q(x), deposit, columns, rows);
+        any_closed_ |= closed;
+    }
+
+    /// A square deposit; each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are
+    /// rounded to about 1/1000 of a sample, equal ones equally: squares that adjoin cover nothing twice. Outside of the
+    /// picture it is cut off.
+    void deposit_square(const float* depth, float left, float top, float right, float bottom, float q, Loss loss,
+                        glm::vec3 rgb) {
+        const native_lanes::Square at(left, top, right, bottom, width_, height_);
+        if (at.is_empty()) return;
+        if (!at.is_small()) return deposit_large(depth, at.x0, at.y0, left, top, right, bottom, q, loss, rgb);
+        if (at.x0 < rect_.x0 || at.y0 < rect_.y0 || at.x1 >= rect_.x1 || at.y1 >= rect_.y1) {
+            rect_.add(at.x0, at.y0, at.x1 + 1, at.y1 + 1);
+        }
+        const native_lanes::Deposit deposit(loss, rgb);
+        for (int y = at.y0 + 1; y <= at.y1; ++y) {
+            __builtin_prefetch(&samples_[index(at.x0, y)], 1);
+            __builtin_prefetch(&samples_[index(at.x1, y)], 1);
+        }
+        bool closed = false;
+        for (int y = at.y0; y <= at.y1; ++y) {
+            const Row row = row_of(depth, y);
+            const auto rows = at.rows(y - at.y0);
+            for (int x = at.x0; x <= at.x1; ++x) closed |= into(row, x, q, deposit, at.columns(x - at.x0), rows);
+        }
+        any_closed_ |= closed;
+    }
+
+    /// The same of something no larger than a lane: all of it goes into the lane that its center lies in. `rgb()` is
+    /// asked only if that changes anything.
+    template <class Color>
+    void deposit_in_lane(const float* depth, float x, float y, float area, float q, Loss loss, Color&& rgb) {
+        if (!(x >= 0 && y >= 0 && x < float(width_) && y < float(height_))) return;
+        const int i = int(x), j = int(y);
+        const Row row = row_of(depth, j);
+        if (!is_touched_by(row, i, q)) return;
+        if (i < rect_.x0 || j < rect_.y0 || i >= rect_.x1 || j >= rect_.y1) rect_.add(i, j, i + 1, j + 1);
+        const int column = int((x - float(i)) * float(lanes::side)), line = int((y - float(j)) * float(lanes::side));
+        if (!one_lane_at_a_time::into_lane(row.samples[i], line * lanes::side + column, area * float(lanes::count),
+                                           loss, rgb()))
+            return;
+        row.bits[i >> 6].open &= ~(std::uint64_t(1) << (i & 63));
+        any_closed_ = true;
+    }
+
+    /// Of a rectangle inside the picture, ends included.
+    bool all_closed(int x0, int y0, int x1, int y1) const {
+        if (!any_closed_) return false;
+        const std::uint64_t all = ~std::uint64_t(0);
+        for (int y = y0; y <= y1; ++y) {
+            const Bits* words = bits_.data() + std::size_t(y) * words_;
+            for (int w = x0 >> 6; w <= x1 >> 6; ++w) {
+                std::uint64_t mask = all;
+                if (w == x0 >> 6) mask &= all << (x0 & 63);
+                if (w == x1 >> 6) mask &= all >> (63 - (x1 & 63));
+                if (words[w].open & mask) return false;
+            }
+        }
+        return true;
+    }
+    bool is_open(int x, int y) const { return bits_of(x, y).open >> (x & 63) & 1; }
+
+    /// What was deposited into a sample, or null: also where geometry that was drawn later, at `depth`, lies in front
+    /// of the first deposit.
+    const Sample* over(float depth, int x, int y) const {
+        if ((bits_of(x, y).touched >> (x & 63) & 1) == 0) return nullptr;
+        const std::size_t at = index(x, y);
+        return first_deposit_[at] > depth ? &samples_[at] : nullptr;
+    }
+
+    /// f(x, y) for every sample that was deposited into.
+    template <class F>
+    void for_touched(F&& f) const {
+        for (int y = rect_.y0; y < rect_.y1; ++y) {
+            for (std::size_t w = std::size_t(rect_.x0) >> 6; w <= std::size_t(rect_.x1 - 1) >> 6; ++w) {
+                for (std::uint64_t bits = bits_[std::size_t(y) * words_ + w].touched; bits != 0; bits &= bits - 1) {
+                    f(int(w * 64) + std::countr_zero(bits), y);
+                }
+            }
+        }
+    }
+
+  private:
+    struct Bits {
+        std::uint64_t open = ~std::uint64_t(0);
+        std::uint64_t touched = 0;  ///< deposited into since the last clear()
+    };
+    struct Row {
+        std::size_t first;
+        const float* depth;
+        Sample* samples;
+        Bits* bits;
+    };
+    Row row_of(const float* depth, int y) {
+        const std::size_t first = index(0, y);
+        return {first, depth + first, samples_.data() + first, bits_.data() + std::size_t(y) * words_};
+    }
+
+    /// In parts, along borders of samples.
+    void deposit_large(const float* depth, int x0, int y0, float left, float top, float right, float bottom, float q,
+                       Loss loss, glm::vec3 rgb) {
+        const auto x = float(x0 + lanes::most_samples / 2), y = float(y0 + lanes::most_samples / 2);
+        if (x < right) {
+            deposit_square(depth, left, top, x, bottom, q, loss, rgb);
+            deposit_square(depth, x, top, right, bottom, q, loss, rgb);
+        } else {
+            deposit_square(depth, left, top, right, y, q, loss, rgb);
+            deposit_square(depth, left, y, right, bottom, q, loss, rgb);
+        }
+    }
+
+    /// True if it closed the sample.
+    bool into(const Row& row, int x, float q, const native_lanes::Deposit& deposit,
+              const native_lanes::Columns& columns, const native_lanes::Rows& rows) {
+        if (!is_touched_by(row, x, q)) return false;
+        const bool closes = deposit.into(row.samples[x], columns, rows);
+        if (closes) row.bits[x >> 6].open &= ~(std::uint64_t(1) << (x & 63));
+        return closes;
+    }
+
+    /// Whether a deposit changes a sample, which then is one deposited into; closes it where geometry is nearer.
+    bool is_touched_by(const Row& row, int x, float q) {
+        const std::uint64_t bit = std::uint64_t(1) << (x & 63);
+        Bits& bits = row.bits[x >> 6];
+        if ((bits.open & bit) == 0) return false;
+        if (q <= row.depth[x]) {
+            bits.open &= ~bit;
+            any_closed_ = true;
+            return false;
+        }
+        if ((bits.touched & bit) == 0) {
+            bits.touched |= bit;
+            first_deposit_[row.first + std::size_t(x)] = q;
+        }
+        return true;
+    }
+
+    std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
+    const Bits& bits_of(int x, int y) const { return bits_[std::size_t(y) * words_ + std::size_t(x >> 6)]; }
+
+    int width_ = 0, height_ = 0;
+    std::size_t words_ = 0;
+    std::vector<Sample> samples_;
+    std::vector<float> first_deposit_;  ///< q of the first, which is the nearest; of samples touched
+    std::vector<Bits> bits_;            ///< of 64 samples each, rows padded
+    SampleRect rect_;
+    bool has_begun_ = false, any_closed_ = false;
+};
+
+}  // namespace farfield

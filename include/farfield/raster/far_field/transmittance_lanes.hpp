@@ -1,0 +1,137 @@
+// A square's deposit into the lanes of the samples it touches (far_sample.hpp): one lane at a time on any machine,
+// eight at a time on any x86-64. The picture does not depend on which.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/vec3.hpp>
+
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/raster/far_field/far_sample.hpp"
+#include "farfield/raster/far_field/transmittance_lanes_sse2.hpp"
+
+namespace farfield {
+
+// Two namespaces that compute the same bits, one lane at a time and eight:
+//
+//   Square         cut off at the borders of a picture and rounded to units; a position that is no number is 0
+//     is_empty     nothing is left of it; nothing else may then be asked
+//     x0 ... y1    the samples it covers some of, ends included
+//     is_small     it touches 16 samples a side at most; then one may ask for
+//     columns(i)   how much of each column of lanes it covers in its i-th samples from the left, and
+//     rows(i)      of each row in its i-th from the top
+//   Deposit        a loss in 65535ths, rounded (what exceeds one is cut off, what is no number is 0), and a color
+//     into         takes the loss from the part of each lane that is covered; true if that closed the sample
+
+namespace one_lane_at_a_time {
+
+template <int lane>
+struct Widths {
+    std::uint32_t of[lanes::side];
+
+    Widths(int begin, int end) {
+        for (int i = 0; i < lanes::side; ++i) {
+            of[i] = std::uint32_t(std::clamp(end - i * lane, 0, lane) - std::clamp(begin - i * lane, 0, lane));
+        }
+    }
+};
+using Columns = Widths<lanes::width>;
+using Rows = Widths<lanes::height>;
+
+class Square {
+  public:
+    int x0, y0, x1, y1;
+
+    Square(float left, float top, float right, float bottom, int width, int height) {
+        const Edge l(left, width, lanes::sample_width, 0.5f), r(right, width, lanes::sample_width, -0.5f);
+        const Edge t(top, height, lanes::sample_height, 0.5f), b(bottom, height, lanes::sample_height, -0.5f);
+        x0 = l.sample;
+        y0 = t.sample;
+        x1 = r.sample;
+        y1 = b.sample;
+        left_ = l.rest;
+        top_ = t.rest;
+        right_ = r.rest + (r.sample - x0) * lanes::sample_width;
+        bottom_ = b.rest + (b.sample - y0) * lanes::sample_height;
+    }
+    bool is_empty() const { return left_ >= right_ || top_ >= bottom_; }
+    bool is_small() const { return x1 - x0 < lanes::most_samples && y1 - y0 < lanes::most_samples; }
+    Columns columns(int i) const { return {left_ - i * lanes::sample_width, right_ - i * lanes::sample_width}; }
+    Rows rows(int i) const { return {top_ - i * lanes::sample_height, bottom_ - i * lanes::sample_height}; }
+
+  private:
+    struct Edge {
+        int sample, rest;
+
+        /// Half a unit inwards, so that no sample is touched but not covered.
+        Edge(float at, int samples, int units, float inwards) {
+            const float v = std::min(std::max(0.0f, at), float(samples));
+            sample = int(std::min(v + inwards / float(units), float(samples) - 1));
+            rest = int((v - float(sample)) * float(units) + 0.5f);
+        }
+    };
+    int left_, top_, right_, bottom_;  ///< in units from the upper left sample's corner
+};
+
+/// a b / 65535 to the nearest, a product with 65535 being exact (above 1/2 it may be one too small).
+inline std::uint32_t product(std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t high = a * b >> 16, low = a * b & 0xffff;
+    return high + (std::min<std::uint32_t>(low + high, 0xffff) >> 15);
+}
+
+class Deposit {
+  public:
+    Deposit(Loss loss, glm::vec3 rgb)
+        : relative_(rounded(loss.relative)), absolute_(rounded(loss.absolute)), rgb_(rgb) {}
+
+    bool into(FarSample& s, const Columns& columns, const Rows& rows) const {
+        int sum = 0;
+        for (int i = 0; i < lanes::count; ++i) {
+            const std::uint32_t t = s.lane[i], part = columns.of[i % lanes::side] * rows.of[i / lanes::side];
+            const std::uint32_t loss = std::min<std::uint32_t>((t * relative_ >> 16) + absolute_, lanes::one);
+            s.lane[i] = std::uint16_t(t - std::min(product(loss, part), t));
+            sum += s.lane[i];
+        }
+        const bool closes = sum < lanes::closed;
+        const float taken = s.transmittance - (closes ? 0.0f : float(sum) * (1.0f / float(lanes::count * lanes::one)));
+        s.r += taken * rgb_.r;
+        s.g += taken * rgb_.g;
+        s.b += taken * rgb_.b;
+        s.transmittance -= taken;
+        return closes;
+    }
+
+  private:
+    static std::uint32_t rounded(float v) {
+        return std::uint32_t(int(std::min(std::max(0.0f, v), 1.0f) * float(lanes::one) + 0.5f));
+    }
+    std::uint32_t relative_, absolute_;
+    glm::vec3 rgb_;
+};
+
+/// Into a single lane, `part` of which is covered (at most all of it).
+inline bool into_lane(FarSample& s, int lane, float part, Loss loss, glm::vec3 rgb) {
+    const auto before = float(s.lane[lane]);
+    const float taken_here =
+        std::min((loss.relative * before + loss.absolute * float(lanes::one)) * std::min(part, 1.0f), before);
+    const int left = int(before - taken_here + 0.5f);
+    s.lane[lane] = std::uint16_t(left);
+    float taken = (before - float(left)) * (1.0f / float(lanes::count * lanes::one));
+    const bool closes = s.transmittance - taken < closed_transmittance;
+    if (closes) taken = s.transmittance;
+    s.r += taken * rgb.r;
+    s.g += taken * rgb.g;
+    s.b += taken * rgb.b;
+    s.transmittance -= taken;
+    return closes;
+}
+
+}  // namespace one_lane_at_a_time
+
+#if defined(__SSE2__)
+namespace native_lanes = eight_lanes_at_a_time;
+#else
+namespace native_lanes = one_lane_at_a_time;
+#endif
+
+}  // namespace farfield

@@ -1,0 +1,205 @@
+// What a frame is drawn into: for each sample a z-buffer of geometry and, over it, the far field; and the picture that
+// comes of them.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/image.hpp"
+#include "farfield/raster/far_field/far_samples.hpp"
+#include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/sample_rect.hpp"
+#include "farfield/raster/samples/box_mean.hpp"
+#include "farfield/raster/samples/depth_tiles.hpp"
+
+namespace farfield {
+
+/// Samples are addressed relative to the projection's center sample. Only what the last frame drew is cleared.
+///
+/// The picture is what was deposited plus transmittance times the z-buffer's color; where geometry drawn later lies in
+/// front of the first deposit, it is the geometry's color alone.
+class SampleBuffers {
+  public:
+    void begin(const SampleProjection& to, int samples_a_side, Rgba8 background) {
+        const int width = to.end_x - to.first_x, height = to.end_y - to.first_y;
+        if (width != width_ || height != height_ || samples_a_side != side_ || !(background == background_)) {
+            resize(width, height, samples_a_side, background);
+        } else {
+            clear();
+        }
+        first_x_ = to.first_x;
+        first_y_ = to.first_y;
+    }
+
+    int samples_a_side() const { return side_; }
+    /// The z-buffer, row by row from the upper left sample; of the same size until the next begin().
+    const float* depth() const { return depth_.data(); }
+
+    /// z and color of row y, to be indexed with x. Whoever writes says so by near_drawn().
+    float* depth_row(int y) { return depth_.data() + row(y) - first_x_; }
+    Rgba8* color_row(int y) { return color_.data() + row(y) - first_x_; }
+    void near_drawn(int x0, int y0, int x1, int y1) {
+        near_.add(x0 - first_x_, y0 - first_y_, x1 - first_x_, y1 - first_y_);
+    }
+
+    /// Before the first deposit of a frame.
+    void begin_far() { far_.begin(); }
+    bool has_far() const { return far_.has_begun(); }
+
+    /// As FarSamples::deposit_row.
+    template <class Depth>
+    void deposit_row(int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
+        far_.deposit_row(
+            depth_.data(), y - first_y_, begin - first_x_, end - first_x_, [&](int x) { return q(x + first_x_); }, loss,
+            rgb);
+    }
+    /// As FarSamples::deposit_square.
+    void deposit_square(float left, float top, float right, float bottom, float q, Loss loss, glm::vec3 rgb) {
+        const auto x0 = float(first_x_), y0 = float(first_y_);
+        far_.deposit_square(depth_.data(), left - x0, top - y0, right - x0, bottom - y0, q, loss, rgb);
+    }
+
+    /// As FarSamples::deposit_in_lane.
+    template <class Color>
+    void deposit_in_lane(float x, float y, float area, float q, Loss loss, Color&& rgb) {
+        far_.deposit_in_lane(depth_.data(), x - float(first_x_), y - float(first_y_), area, q, loss, rgb);
+    }
+
+    /// Can nothing as far as q or farther change any sample of a rectangle (ends included), because it is closed or its
+    /// geometry is nearer? May err towards no; true of a rectangle that holds no sample.
+    bool all_settled(int x0, int y0, int x1, int y1, float q) {
+        x0 = std::max(x0 - first_x_, 0);
+        y0 = std::max(y0 - first_y_, 0);
+        x1 = std::min(x1 - first_x_, width_ - 1);
+        y1 = std::min(y1 - first_y_, height_ - 1);
+        if (x0 > x1 || y0 > y1) return true;
+        return far_.all_closed(x0, y0, x1, y1) ||
+               tiles_.all_nearer(x0, y0, x1, y1, q, [&](int left, int top, int right, int bottom) {
+                   return farthest_open(left, top, std::min(right, width_), std::min(bottom, height_), q);
+               });
+    }
+
+    /// Box filter: the mean of a pixel's samples. Writes only what changed since the last resolve into the same image.
+    void resolve(Image& image) {
+        const int width = width_ / side_, height = height_ / side_;
+        if (image.width() != width || image.height() != height) {
+            image = Image(width, height, background_);
+            drawn_in_image_ = {};
+        }
+        if (const SampleRect& was = drawn_in_image_; !was.is_empty()) {
+            for (int y = was.y0 / side_; y <= (was.y1 - 1) / side_; ++y) {
+                std::fill(&image.at(was.x0 / side_, y), &image.at((was.x1 - 1) / side_, y) + 1, background_);
+            }
+        }
+        SampleRect drawn = near_;
+        drawn.add(far_.rect());
+        drawn_in_image_ = drawn;
+        if (side_ != 1) {
+            if (far_.has_begun()) {
+                for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel(x, y); });
+            } else {
+                const auto stride = std::size_t(width_);
+                for_pixels(drawn, [&](int x, int y) {
+                    image.at(x, y) = mean_of_samples(color_.data() + index(x * side_, y * side_), stride, side_);
+                });
+            }
+            return;
+        }
+        for (int y = drawn.y0; y < drawn.y1; ++y) {
+            const Rgba8* from = color_.data() + index(0, y);
+            std::copy(from + drawn.x0, from + drawn.x1, &image.at(drawn.x0, y));
+        }
+        far_.for_touched([&](int x, int y) { image.at(x, y) = pixel(x, y); });
+    }
+
+  private:
+    static constexpr std::size_t padding = 8;  ///< rows are filled in vectors
+
+    std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
+    std::size_t row(int y) const { return std::size_t(y - first_y_) * std::size_t(width_); }
+
+    template <class F>
+    void for_pixels(const SampleRect& r, F&& f) const {
+        if (r.is_empty()) return;
+        for (int y = r.y0 / side_; y <= (r.y1 - 1) / side_; ++y) {
+            for (int x = r.x0 / side_; x <= (r.x1 - 1) / side_; ++x) f(x, y);
+        }
+    }
+
+    /// Least q of the samples of a rectangle, half open, that are not closed; or of the first not nearer than q.
+    float farthest_open(int left, int top, int right, int bottom, float q) const {
+        float least = std::numeric_limits<float>::infinity();
+        for (int y = top; y < bottom; ++y) {
+            const float* depth = depth_.data() + index(0, y);
+            for (int x = left; x < right; ++x) {
+                if (depth[x] < least && far_.is_open(x, y)) {
+                    least = depth[x];
+                    if (!(least > q)) return least;
+                }
+            }
+        }
+        return least;
+    }
+
+    Rgba8 pixel(int px, int py) const {
+        glm::vec4 sum(0);
+        for (int y = py * side_; y < (py + 1) * side_; ++y) {
+            for (int x = px * side_; x < (px + 1) * side_; ++x) {
+                const std::size_t at = index(x, y);
+                const Rgba8 c = color_[at];
+                const glm::vec4 behind(float(c.r), float(c.g), float(c.b), float(c.a));
+                if (const FarSamples::Sample* s = far_.over(depth_[at], x, y)) {
+                    sum += glm::vec4(s->r, s->g, s->b, 1 - s->transmittance) * 255.0f + behind * s->transmittance;
+                } else {
+                    sum += behind;
+                }
+            }
+        }
+        sum *= 1.0f / float(side_ * side_);
+        const auto byte = [](float v) { return std::uint8_t(std::min(v + 0.5f, 255.0f)); };
+        return {byte(sum.r), byte(sum.g), byte(sum.b), byte(sum.a)};
+    }
+
+    void resize(int width, int height, int samples_a_side, Rgba8 background) {
+        width_ = width;
+        height_ = height;
+        side_ = samples_a_side;
+        background_ = background;
+        const std::size_t count = std::size_t(width) * std::size_t(height);
+        depth_.assign(count + padding, -std::numeric_limits<float>::infinity());
+        color_.assign(count + padding, background);
+        far_.resize(width, height);
+        tiles_.begin(width, height);
+        near_ = {};
+        drawn_in_image_ = {0, 0, width, height};
+    }
+
+    void clear() {
+        for (int y = near_.y0; y < near_.y1; ++y) {
+            const auto from = std::ptrdiff_t(index(near_.x0, y)), to = std::ptrdiff_t(index(near_.x1, y));
+            std::fill(depth_.begin() + from, depth_.begin() + to, -std::numeric_limits<float>::infinity());
+            std::fill(color_.begin() + from, color_.begin() + to, background_);
+        }
+        if (far_.has_begun()) tiles_.begin(width_, height_);
+        far_.clear();
+        near_ = {};
+    }
+
+    int width_ = 0, height_ = 0, side_ = 1;
+    int first_x_ = 0, first_y_ = 0;
+    Rgba8 background_{0, 0, 0, 0};
+    std::vector<float> depth_;
+    std::vector<Rgba8> color_;  ///< opaque, or the background
+    FarSamples far_;
+    DepthTiles tiles_;                  ///< asked for only where there is a far field
+    SampleRect near_, drawn_in_image_;  ///< relative to the upper left sample
+};
+
+}  // namespace farfield

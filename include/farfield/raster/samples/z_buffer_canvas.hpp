@@ -1,0 +1,130 @@
+// What renderers with a z-buffer have in common: sources, light, geometry and far field into SampleBuffers.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "farfield/image.hpp"
+#include "farfield/raster/light_in_view.hpp"
+#include "farfield/raster/render_options.hpp"
+#include "farfield/raster/sample_count.hpp"
+#include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/samples/depth_tested_fill.hpp"
+#include "farfield/raster/samples/far_deposits.hpp"
+#include "farfield/raster/samples/sample_buffers.hpp"
+#include "farfield/raster/triangles/triangle_painter.hpp"
+#include "farfield/raster/triangles/triangle_runs.hpp"
+#include "farfield/raster/triangles/triangle_streams.hpp"
+#include "farfield/raster/triangles/triangle_triage.hpp"
+#include "farfield/renderer.hpp"
+
+namespace farfield {
+
+/// `renderer`, a literal, is whose name errors bear.
+class ZBufferCanvas {
+  public:
+    /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
+    ZBufferCanvas(const ZBufferOptions& options, const char* renderer)
+        : options_(options),
+          renderer_(renderer),
+          side_(checked_samples_a_side(options.samples, renderer)),
+          triage_(triage_function<false>(options.simd)),
+          triage_small_(triage_function<true>(options.simd)),
+          light_(options.light) {}
+
+    const ZBufferOptions& options() const { return options_; }
+    int samples_a_side() const { return side_; }
+    const Image& image() const { return image_; }
+    const SampleProjection& projection() const { return to_; }
+    SampleBuffers& buffers() { return buffers_; }
+    TriangleStreams& streams() { return streams_; }
+
+    /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
+    void begin_frame(const LocalView& view) {
+        check_image_size(view, side_, renderer_);
+        to_ = SampleProjection(view, side_);
+        buffers_.begin(to_, side_, options_.background);
+        light_.begin_frame(view);
+    }
+    void set_view(const LocalView& view) {
+        to_ = SampleProjection(view, side_);
+        light_.set_view(view);
+    }
+    void end_frame() { buffers_.resolve(image_); }
+
+    /// Ranges with a law are deposited where options say so.
+    template <class P, class Fill>
+    void draw(const Source<P>& source, std::span<const Range> ranges, const Fill& fill) {
+        const TriangleStream& stream = streams_[source.id];
+        TrianglePainter<Fill> painter(stream, to_, light_.light(), options_.culls_back_faces, fill);
+        for (const Range& r : ranges) {
+            const std::uint32_t first = stream.first_triangle(r.first), end = stream.first_triangle(r.first + r.count);
+            if (r.law && options_.deposits_small_triangles) {
+                draw_with_deposits(stream, first, end, r.law, painter);
+            } else {
+                draw_triangles(stream, first, end, to_, triage_, painter);
+            }
+        }
+    }
+
+    void draw(std::span<const Face> faces) {
+        buffers_.begin_far();
+        FarDeposits deposits(to_, buffers_);
+        for (const Face& face : faces) deposits.add(face);
+    }
+    void draw(std::span<const Splat> splats) {
+        buffers_.begin_far();
+        FarDeposits deposits(to_, buffers_);
+        for (const Splat& splat : splats) deposits.add(splat);
+    }
+
+  private:
+    /// Triangles [first, end) of a cell whose law is known. Inlined, g++ at -O1 takes a law that is not set, of a range
+    /// that never gets here, for one that is read.
+    template <class Painter>
+    [[gnu::noinline]] void draw_with_deposits(const TriangleStream& stream, std::uint32_t first, std::uint32_t end,
+                                              const std::optional<AreaLaw>& known_law, Painter& painter) {
+        const AreaLaw law = *known_law;
+        const Loss opaque = loss_of_opacity(1, law);
+        for_triaged_blocks(
+            stream, first, end, to_, triage_small_,
+            [&](std::uint32_t block, const TriageMasks& masks, const TriagedBlock& triaged, unsigned in_range) {
+                unsigned small = masks.small & in_range;
+                if (options_.culls_back_faces) small &= masks.front;
+                if (small != 0) buffers_.begin_far();
+                for (unsigned left = small; left != 0; left &= left - 1) {
+                    const auto lane = unsigned(std::countr_zero(left));
+                    const bool front = (masks.front >> lane & 1) != 0;
+                    painter.deposit(block * TriangleBlock::lanes + lane, triaged, lane, front, opaque);
+                }
+                // Squares do not tile a surface as its triangles do, and its larger triangles are no deposits at all.
+                // So that nothing shows through, the samples that its small ones hold are drawn as well, behind.
+                if (law != AreaLaw::coherent) in_range &= ~masks.small;
+                for (unsigned left = (masks.draw | masks.clip) & in_range; left != 0; left &= left - 1) {
+                    const auto lane = unsigned(std::countr_zero(left));
+                    const std::uint32_t triangle = block * TriangleBlock::lanes + lane;
+                    if (masks.clip >> lane & 1) {
+                        painter.draw_clipped(triangle);
+                    } else if (small >> lane & 1) {
+                        painter.draw_behind(triangle, triaged, lane);
+                    } else {
+                        painter.draw(triangle, triaged, lane);
+                    }
+                }
+            });
+    }
+
+    ZBufferOptions options_;
+    const char* renderer_;
+    int side_;
+    TriageFunction triage_, triage_small_;
+    LightInView light_;
+    SampleProjection to_;
+    SampleBuffers buffers_;
+    TriangleStreams streams_;
+    Image image_;
+};
+
+}  // namespace farfield

@@ -1,0 +1,121 @@
+// Hierarchical z-buffering: N. Greene, M. Kass, G. Miller, "Hierarchical Z-buffer Visibility", SIGGRAPH 1993. A
+// z-buffer under a z-pyramid, which is asked about cells before anything in them is touched and about polygons before
+// they are scan converted.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include "farfield/image.hpp"
+#include "farfield/raster/box_footprint.hpp"
+#include "farfield/raster/render_options.hpp"
+#include "farfield/raster/samples/depth_pyramid.hpp"
+#include "farfield/raster/samples/depth_tested_fill.hpp"
+#include "farfield/raster/samples/z_buffer_canvas.hpp"
+#include "farfield/raster/scan_conversion.hpp"
+#include "farfield/renderer.hpp"
+
+namespace farfield {
+
+/// As DepthTestedFill, but not for what the pyramid hides.
+class PyramidTestedFill {
+  public:
+    PyramidTestedFill(const SampleProjection& to, DepthPyramid& pyramid, const DepthTestedFill& fill)
+        : to_(to), pyramid_(pyramid), fill_(fill) {}
+
+    SampleBuffers& buffers() const { return fill_.buffers(); }
+
+    bool rejects(const SnappedTriangle& t) const {
+        const auto low = [](const std::int32_t(&v)[3]) { return std::min(std::min(v[0], v[1]), v[2]); };
+        const auto high = [](const std::int32_t(&v)[3]) { return std::max(std::max(v[0], v[1]), v[2]); };
+        return is_hidden(low(t.x), low(t.y), high(t.x), high(t.y), std::max(std::max(t.q[0], t.q[1]), t.q[2]));
+    }
+
+    template <class Prepare, class Shade>
+    void operator()(const SnappedTriangle& t, std::int64_t doubled_area, Prepare&& prepare, const Shade& shade) const {
+        fill_(t, doubled_area, prepare, shade);
+    }
+
+  private:
+    /// Of a box in 1/256 samples, and what lies in it no nearer than q; also if it holds no sample.
+    bool is_hidden(std::int32_t left, std::int32_t top, std::int32_t right, std::int32_t bottom, float q) const {
+        const int x0 = std::max((left + 127) >> 8, to_.first_x), x1 = std::min((right - 128) >> 8, to_.end_x - 1);
+        const int y0 = std::max((top + 127) >> 8, to_.first_y), y1 = std::min((bottom - 128) >> 8, to_.end_y - 1);
+        return x0 > x1 || y0 > y1 ||
+               pyramid_.all_nearer(x0 - to_.first_x, y0 - to_.first_y, x1 - to_.first_x, y1 - to_.first_y, q);
+    }
+
+    const SampleProjection& to_;
+    DepthPyramid& pyramid_;
+    const DepthTestedFill& fill_;
+};
+
+/// Draws what ZBufferRenderer draws: the picture of the same ranges is the same, bit for bit, in whatever order they
+/// come. Front to back, which it asks for but does not need, less of them comes at all.
+class HierarchicalZRenderer {
+  public:
+    static constexpr RendererFacts facts{.order = VisitOrder::front_to_back,
+                                         .keeps_sources = true,
+                                         .draws_faces = true,
+                                         .draws_splats = true,
+                                         .answers_hidden = true,
+                                         .deposits_primitives = true};
+
+    /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
+    explicit HierarchicalZRenderer(const ZBufferOptions& options = {})
+        : canvas_(options, "HierarchicalZRenderer"), rows_(options.simd) {}
+
+    const Image& image() const { return canvas_.image(); }
+
+    template <PrimitiveWithPolygons P>
+    std::uint32_t upload(const Source<P>& source) {
+        return canvas_.streams().upload(source);
+    }
+    void release(std::uint32_t id) { canvas_.streams().release(id); }
+
+    /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
+    void begin_frame(const LocalView& view) {
+        canvas_.begin_frame(view);
+        const SampleProjection& to = canvas_.projection();
+        pyramid_.begin(canvas_.buffers().depth(), to.end_x - to.first_x, to.end_y - to.first_y);
+    }
+    void set_view(const LocalView& view) { canvas_.set_view(view); }
+    void end_frame() { canvas_.end_frame(); }
+
+    template <class P>
+    void draw(const Source<P>& source, std::span<const Range> ranges) {
+        const DepthTestedFill fill(canvas_.projection(), canvas_.buffers(), rows_);
+        canvas_.draw(source, ranges, PyramidTestedFill(canvas_.projection(), pyramid_, fill));
+    }
+    void draw(std::span<const Face> faces) { canvas_.draw(faces); }
+    void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
+
+    bool deposits_primitives() const { return canvas_.options().deposits_small_triangles; }
+    /// Two samples: a deposit then touches at most three by three.
+    float largest_splat_px() const { return 2.0f / float(canvas_.samples_a_side()); }
+
+    /// Whether geometry drawn before is nearer than the cell's bounds in every sample that these touch: then nothing in
+    /// the cell changes an exact picture. Of cells that reach to the near plane that is never said. In a far field
+    /// closed samples hide too, as ZBufferRenderer::hidden has it.
+    bool hidden(const Cell& cell, CellId) {
+        const SampleProjection& to = canvas_.projection();
+        const BoxFootprint at(cell.bounds_center, cell.bounds_half, to);
+        if (!at.is_bounded) return false;
+        if (at.is_empty()) return true;
+        SampleBuffers& buffers = canvas_.buffers();
+        const auto nearest = [&](int x0, int y0, int x1, int y1) {
+            return at.fronts.nearest_in(x0 + to.first_x, y0 + to.first_y, x1 + to.first_x, y1 + to.first_y);
+        };
+        return pyramid_.all_nearer(at.x0 - to.first_x, at.y0 - to.first_y, at.x1 - to.first_x, at.y1 - to.first_y,
+                                   nearest) ||
+               (buffers.has_far() && buffers.all_settled(at.x0, at.y0, at.x1, at.y1, at.fronts.nearest_q));
+    }
+
+  private:
+    ZBufferCanvas canvas_;
+    SampleRows rows_;
+    DepthPyramid pyramid_;
+};
+
+}  // namespace farfield

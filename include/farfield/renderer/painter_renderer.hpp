@@ -1,0 +1,139 @@
+// The painter's algorithm, a yardstick of N. Greene, "Hierarchical Polygon Tiling with Coverage Masks", SIGGRAPH 1996:
+// section 9 compares with one that "maintained a color triplet for each point in the image raster and performed tiling
+// by incremental scan conversion, overwriting the image at every pixel encountered".
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "farfield/geometry/light.hpp"
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/image.hpp"
+#include "farfield/raster/light_in_view.hpp"
+#include "farfield/raster/sample_count.hpp"
+#include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/samples/color_samples.hpp"
+#include "farfield/raster/scan_conversion.hpp"
+#include "farfield/raster/simd.hpp"
+#include "farfield/raster/triangles/sample_rows.hpp"
+#include "farfield/raster/triangles/triangle_painter.hpp"
+#include "farfield/raster/triangles/triangle_runs.hpp"
+#include "farfield/raster/triangles/triangle_streams.hpp"
+#include "farfield/raster/triangles/triangle_triage.hpp"
+#include "farfield/renderer.hpp"
+
+namespace farfield {
+
+struct PainterOptions {
+    int samples = 1;                          ///< a pixel, on a regular grid: 1, 4, 9, 16, 25, 36, 49 or 64
+    Rgba8 background{0, 0, 0, 0};             ///< premultiplied
+    std::optional<DirectionalLight> light{};  ///< in the outermost hierarchy's axes; none: colors as they are
+    bool culls_back_faces = false;            ///< for closed surfaces that are counter-clockwise seen from outside
+    Simd simd = Simd::automatic;              ///< all give the same picture
+};
+
+/// Whatever comes later lies in front.
+class OverwritingFill {
+  public:
+    OverwritingFill(const SampleProjection& to, ColorSamples& samples, const SampleRows& rows)
+        : to_(to), samples_(samples), rows_(rows) {}
+
+    static constexpr bool rejects(const SnappedTriangle&) { return false; }
+
+    /// As DepthTestedFill.
+    template <class Prepare, class Shade>
+    void operator()(const SnappedTriangle& t, std::int64_t, Prepare&& prepare, const Shade& shade) const {
+        bool prepared = false;
+        scan_convert(t, to_, [&](int y, int begin, int end) {
+            if (!prepared) {
+                prepared = true;
+                prepare();
+            }
+            samples_.drawn(begin, y, end, y + 1);
+            Rgba8* color = samples_.row(y);
+            if constexpr (Shade::is_one_color) {
+                std::fill(color + begin, color + end, shade(begin, y));
+            } else {
+                if (end - begin >= SampleRows::shortest && rows_.painted_colors != nullptr && shade.are_opaque() &&
+                    rows_.painted_colors(color, begin, end, ColorsOfRow(*shade.plane, shade.corners, y))) {
+                    return;
+                }
+                for (int x = begin; x < end; ++x) {
+                    Rgba8 c = shade(x, y);
+                    if (c.a == 0) continue;
+                    c.a = 255;
+                    color[x] = c;
+                }
+            }
+        });
+    }
+
+  private:
+    const SampleProjection& to_;
+    ColorSamples& samples_;
+    const SampleRows& rows_;
+};
+
+/// Back to front it draws the picture that ZBufferRenderer draws, if no two primitives meet in a sample at the same
+/// depth and each lies behind all that come after it wherever they overlap. It keeps no depth, and nothing hides.
+class PainterRenderer {
+  public:
+    static constexpr RendererFacts facts{
+        .order = VisitOrder::back_to_front, .needs_ordering = OrderGuarantee::primitives, .keeps_sources = true};
+
+    /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
+    explicit PainterRenderer(const PainterOptions& options = {})
+        : options_(options),
+          side_(checked_samples_a_side(options.samples, "PainterRenderer")),
+          triage_(triage_function<false>(options.simd)),
+          rows_(options.simd),
+          light_(options.light) {}
+
+    const Image& image() const { return image_; }
+
+    template <PrimitiveWithPolygons P>
+    std::uint32_t upload(const Source<P>& source) {
+        return streams_.upload(source);
+    }
+    void release(std::uint32_t id) { streams_.release(id); }
+
+    /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
+    void begin_frame(const LocalView& view) {
+        check_image_size(view, side_, "PainterRenderer");
+        to_ = SampleProjection(view, side_);
+        samples_.begin(to_, side_, options_.background);
+        light_.begin_frame(view);
+    }
+    void set_view(const LocalView& view) {
+        to_ = SampleProjection(view, side_);
+        light_.set_view(view);
+    }
+    void end_frame() { samples_.resolve(image_); }
+
+    /// In the order in which ranges come, and positions in them.
+    template <class P>
+    void draw(const Source<P>& source, std::span<const Range> ranges) {
+        const TriangleStream& stream = streams_[source.id];
+        const OverwritingFill fill(to_, samples_, rows_);
+        TrianglePainter<OverwritingFill> painter(stream, to_, light_.light(), options_.culls_back_faces, fill);
+        for (const Range& r : ranges) {
+            draw_triangles(stream, stream.first_triangle(r.first), stream.first_triangle(r.first + r.count), to_,
+                           triage_, painter);
+        }
+    }
+
+  private:
+    PainterOptions options_;
+    int side_;
+    TriageFunction triage_;
+    SampleRows rows_;
+    LightInView light_;
+    SampleProjection to_;
+    ColorSamples samples_;
+    TriangleStreams streams_;
+    Image image_;
+};
+
+}  // namespace farfield

@@ -1,0 +1,187 @@
+// No frame allocates once buffers have grown to what the scene needs. Counts calls of operator new in this program.
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+#include <vector>
+
+#include "catch.hpp"
+#include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/exact.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/merged_viewer.hpp"
+#include "farfield/partition/nested.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/partition/polygon_bsp.hpp"
+#include "farfield/primitive/instance.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
+#include "farfield/viewer.hpp"
+#include "support/pictures.hpp"
+#include "support/scenes.hpp"
+#include "support/variants.hpp"
+
+namespace {
+
+thread_local std::size_t allocations = 0;
+
+void* counted(std::size_t size) {
+    ++allocations;
+    if (void* p = std::malloc(size ? size : 1)) return p;
+    throw std::bad_alloc();
+}
+void* counted(std::size_t size, std::align_val_t alignment) {
+    ++allocations;
+    const std::size_t step = std::size_t(alignment);
+    if (void* p = std::aligned_alloc(step, (size + step - 1) / step * step)) return p;
+    throw std::bad_alloc();
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+    return counted(size);
+}
+void* operator new[](std::size_t size) {
+    return counted(size);
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+    return counted(size, alignment);
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+    return counted(size, alignment);
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    return ++allocations, std::malloc(size ? size : 1);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+    return ++allocations, std::malloc(size ? size : 1);
+}
+void operator delete(void* p, const std::nothrow_t&) noexcept {
+    std::free(p);
+}
+void operator delete[](void* p, const std::nothrow_t&) noexcept {
+    std::free(p);
+}
+void operator delete(void* p) noexcept {
+    std::free(p);
+}
+void operator delete[](void* p) noexcept {
+    std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+    std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+    std::free(p);
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+    std::free(p);
+}
+void operator delete[](void* p, std::align_val_t) noexcept {
+    std::free(p);
+}
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+    std::free(p);
+}
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
+    std::free(p);
+}
+
+using namespace farfield;
+using namespace farfield::test;
+
+namespace {
+
+std::vector<View> path() {
+    std::vector<View> views;
+    for (int i = 0; i < 6; ++i)
+        views.push_back(looking({9 * std::cos(i), 1, 8 * std::sin(i)}, {0.1, 0, 0}, 100, 2 * float(i % 3)));
+    views.push_back(looking({0.1, 0.2, 0}, {1, 0, 0}, 100, 3));
+    views.push_back(looking_orthographic({3, 4, 5}, {}, 4, 100, 2));
+    return views;
+}
+
+}  // namespace
+
+TEST_CASE("the third time along a path no frame allocates") {
+    const Triangles triangles = mixed_triangles(5000, 120);
+    const std::vector<View> views = path();
+    const std::size_t before_anything = allocations;
+    ::operator delete(::operator new(1));
+    const std::size_t counts = allocations - before_anything;
+    REQUIRE(counts == 1);
+    for (const Variant& variant : all_variants()) {
+        const auto h = variant.build(triangles);
+        for (const int samples : {1, 4}) {
+            ZBufferRenderer renderer(ZBufferOptions{.samples = samples, .light = DirectionalLight{}});
+            const auto viewer = h->viewer(renderer);
+            for (int round = 0; round < 2; ++round) {
+                for (const View& view : views) viewer->frame(view);
+            }
+            const std::size_t before = allocations;
+            for (const View& view : views) viewer->frame(view);
+            const std::size_t during = allocations - before;
+            INFO(variant.name << ", " << samples << " samples");
+            CHECK(during == 0);
+        }
+    }
+}
+
+namespace {
+
+/// Stand-ins are replayed; keeps nothing itself.
+struct Blind {
+    static constexpr RendererFacts facts{.far_field_order = VisitOrder::back_to_front, .draws_faces = true};
+    void begin_frame(const LocalView&) {}
+    void set_view(const LocalView&) {}
+    void end_frame() {}
+    template <class P>
+    void draw(const Source<P>&, std::span<const Range>) {}
+    void draw(std::span<const Face> f) { faces += f.size(); }
+    std::size_t faces = 0;
+};
+
+}  // namespace
+
+TEST_CASE("replayed stand-ins do not allocate either") {
+    using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
+    const Triangles triangles = random_triangles(8000, 121, 0.02f);
+    const Cubes h = build<Cubes>(triangles);
+    Blind renderer;
+    auto viewer = make_viewer(h, triangles, renderer);
+    std::size_t before = 0;
+    for (int round = 0; round < 3; ++round) {
+        before = allocations;
+        for (const View& view : path()) viewer.frame(view);
+        before = allocations - before;
+    }
+    const std::size_t of_path = [] {
+        const std::size_t b = allocations;
+        path();
+        return allocations - b;
+    }();
+    CHECK(before == of_path);
+    CHECK(renderer.faces > 1000);
+}
+
+TEST_CASE("frames of masks do not allocate, those of moving bodies neither") {
+    using Bsp = SpatialHierarchy<Nested<Octree, PolygonBsp>, Exact, TriangleCount>;
+    const Triangles a = random_triangles(300, 1, 0.5f), b = sphere({}, 0.8f, 12, {200, 0, 0, 255});
+    const Bsp ha = build<Bsp>(a), hb = build<Bsp>(b, {.partition = {.largest_leaf = 32}});
+    std::vector<Instance<Bsp, Triangle>> bodies{{&ha, a, {}}, {&hb, b, {}}, {&hb, b, {}}};
+    bodies[2].to_world.translation = {0.5, 0.1, 0.3};
+    StrictCoverageRenderer strict;
+    auto merged = make_merged_viewer(bodies, strict);
+    CoverageRenderer lazy;
+    auto viewer = make_viewer(ha, a, lazy);
+    const View view = looking({3, 1, 2});
+    std::size_t pieces = 0, during = 0;
+    for (int round = 0; round < 3; ++round) {
+        const std::size_t before = allocations;
+        pieces = merged.frame(view).pieces;
+        viewer.frame(view);
+        during = allocations - before;
+    }
+    CHECK(pieces > 10);
+    CHECK(during == 0);
+}
