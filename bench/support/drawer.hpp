@@ -16,7 +16,7 @@
 #include "farfield/image.hpp"
 #include "farfield/primitive/triangle.hpp"
 #include "farfield/viewer.hpp"
-#include "pair.hpp"
+#include "support/pair.hpp"
 
 namespace farfield::bench {
 

@@ -1,4 +1,4 @@
-// What bench/fidelity.cpp measures: ways to draw a scene, and scenes with their references.
+// What bench/accuracy/fidelity.cpp measures: ways to draw a scene, and scenes with their references.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 #include "farfield/primitive/triangle.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
-#include "seconds.hpp"
+#include "support/seconds.hpp"
 #if __has_include("farfield/approximation/opacity_tensor.hpp")
 #include "farfield/approximation/opacity_tensor.hpp"
 #endif

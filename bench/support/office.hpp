@@ -12,10 +12,10 @@
 #include "farfield/primitive/triangle.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/view.hpp"
-#include "scenes/building.hpp"
 #include "scenes/framing.hpp"
+#include "scenes/generate/building.hpp"
 #include "scenes/scene.hpp"
-#include "subject.hpp"
+#include "support/subject.hpp"
 
 namespace farfield::bench {
 

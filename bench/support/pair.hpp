@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "seconds.hpp"
+#include "support/seconds.hpp"
 
 namespace farfield::bench {
 

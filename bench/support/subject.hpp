@@ -15,7 +15,7 @@
 #include "farfield/viewer.hpp"
 #include "scenes/catalog.hpp"
 #include "scenes/scene.hpp"
-#include "seconds.hpp"
+#include "support/seconds.hpp"
 
 namespace farfield::bench {
 

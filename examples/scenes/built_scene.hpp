@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "farfield/view.hpp"
-#include "scenes/any_renderer.hpp"
+#include "scenes/renderers/any_renderer.hpp"
 
 namespace farfield::scenes {
 

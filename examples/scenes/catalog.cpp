@@ -2,14 +2,14 @@
 
 #include <stdexcept>
 
-#include "scenes/building.hpp"
-#include "scenes/chessboard.hpp"
-#include "scenes/forest.hpp"
-#include "scenes/island.hpp"
-#include "scenes/molecule.hpp"
-#include "scenes/quadrupled_forest.hpp"
-#include "scenes/square_cube.hpp"
-#include "scenes/tree.hpp"
+#include "scenes/generate/building.hpp"
+#include "scenes/generate/chessboard.hpp"
+#include "scenes/generate/forest.hpp"
+#include "scenes/generate/island.hpp"
+#include "scenes/generate/molecule.hpp"
+#include "scenes/generate/quadrupled_forest.hpp"
+#include "scenes/generate/square_cube.hpp"
+#include "scenes/generate/tree.hpp"
 
 namespace farfield::scenes {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/renderer_choice.hpp"
+#include "scenes/renderers/renderer_choice.hpp"
 
 namespace walkthrough {
 

@@ -9,7 +9,7 @@
 
 #include "options.hpp"
 #include "scenes/catalog.hpp"
-#include "scenes/load.hpp"
+#include "scenes/load/load.hpp"
 
 namespace walkthrough {
 namespace {

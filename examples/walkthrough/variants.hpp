@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "scenes/built_scene.hpp"
-#include "scenes/renderer_choice.hpp"
+#include "scenes/renderers/renderer_choice.hpp"
 #include "scenes/scene.hpp"
 
 namespace walkthrough {

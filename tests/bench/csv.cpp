@@ -1,4 +1,4 @@
-#include "../../bench/chart/csv.hpp"
+#include "../../bench/accuracy/chart/csv.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "../../bench/chart/pareto.hpp"
+#include "../../bench/accuracy/chart/pareto.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "../../bench/chart/statistics.hpp"
+#include "../../bench/accuracy/chart/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-#include "../../bench/chart/summary.hpp"
+#include "../../bench/accuracy/chart/summary.hpp"
 
-#include "../../bench/chart/equal_error_table.hpp"
+#include "../../bench/accuracy/chart/equal_error_table.hpp"
 #include "catch.hpp"
 
 using namespace farfield::bench;

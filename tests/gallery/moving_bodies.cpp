@@ -4,8 +4,8 @@
 #include "farfield/approximation/exact.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
+#include "scenes/generate/tumbling_hall.hpp"
 #include "scenes/placed_scene.hpp"
-#include "scenes/tumbling_hall.hpp"
 #include "support/pictures.hpp"
 
 using namespace farfield;

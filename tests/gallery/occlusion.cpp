@@ -9,8 +9,8 @@
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
-#include "scenes/gallery.hpp"
-#include "scenes/occluders.hpp"
+#include "scenes/generate/gallery.hpp"
+#include "scenes/generate/occluders.hpp"
 #include "scenes/placed_scene.hpp"
 #include "support/pictures.hpp"
 

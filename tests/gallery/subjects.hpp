@@ -9,7 +9,7 @@
 
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/view/frustum.hpp"
-#include "scenes/gallery.hpp"
+#include "scenes/generate/gallery.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
 #include "support/variants.hpp"

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "catch.hpp"
-#include "scenes/load.hpp"
+#include "scenes/load/load.hpp"
 
 namespace farfield::scenes::test {
 

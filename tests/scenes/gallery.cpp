@@ -1,4 +1,4 @@
-#include "scenes/gallery.hpp"
+#include "scenes/generate/gallery.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,11 +6,11 @@
 
 #include "catch.hpp"
 #include "scenes/catalog.hpp"
-#include "scenes/forest.hpp"
-#include "scenes/island.hpp"
-#include "scenes/molecule.hpp"
-#include "scenes/sphere.hpp"
-#include "scenes/tree.hpp"
+#include "scenes/generate/forest.hpp"
+#include "scenes/generate/island.hpp"
+#include "scenes/generate/molecule.hpp"
+#include "scenes/generate/sphere.hpp"
+#include "scenes/generate/tree.hpp"
 
 using namespace farfield;
 using namespace farfield::scenes;

@@ -1,5 +1,5 @@
 // Files of others: what each must give is written in the README beside them.
-#include "scenes/load.hpp"
+#include "scenes/load/load.hpp"
 
 #include "files.hpp"
 

@@ -1,5 +1,5 @@
 #include "files.hpp"
-#include "scenes/element.hpp"
+#include "scenes/load/element.hpp"
 
 using namespace farfield;
 using namespace farfield::scenes;

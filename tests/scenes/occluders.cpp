@@ -1,4 +1,4 @@
-#include "scenes/occluders.hpp"
+#include "scenes/generate/occluders.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,11 +9,11 @@
 
 #include "catch.hpp"
 #include "farfield/geometry/similarity.hpp"
-#include "scenes/boxes.hpp"
-#include "scenes/building.hpp"
-#include "scenes/chessboard.hpp"
-#include "scenes/quadrupled_forest.hpp"
-#include "scenes/square_cube.hpp"
+#include "scenes/generate/boxes.hpp"
+#include "scenes/generate/building.hpp"
+#include "scenes/generate/chessboard.hpp"
+#include "scenes/generate/quadrupled_forest.hpp"
+#include "scenes/generate/square_cube.hpp"
 
 using namespace farfield;
 using namespace farfield::scenes;

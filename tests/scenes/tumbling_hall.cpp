@@ -1,4 +1,4 @@
-#include "scenes/tumbling_hall.hpp"
+#include "scenes/generate/tumbling_hall.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "catch.hpp"
-#include "scenes/building.hpp"
+#include "scenes/generate/building.hpp"
 
 using namespace farfield;
 using namespace farfield::scenes;

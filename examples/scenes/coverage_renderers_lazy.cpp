@@ -1,9 +1,0 @@
-#include "scenes/coverage_renderers.hpp"
-
-namespace farfield::scenes {
-
-std::unique_ptr<AnyRenderer> make_lazy_coverage_renderer(const RendererChoice& choice) {
-    return make_coverage_renderer<LazyCoverage>(choice);
-}
-
-}  // namespace farfield::scenes

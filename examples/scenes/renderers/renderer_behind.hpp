@@ -1,0 +1,81 @@
+// A renderer of the library as an AnyRenderer. It must be one that reads a source only while it is paged in.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "scenes/renderers/any_renderer.hpp"
+
+namespace farfield::scenes {
+
+/// A position of an AnySource as a primitive.
+struct AnyItem {
+    const AnySource* source;
+    std::uint32_t position;
+
+    Box bounds() const { return Box::empty(); }  // renderers do not ask
+    template <class Sink>
+    void polygons(Sink&& sink) const {
+        source->polygons(position, AnyPolygonSink(sink));
+    }
+};
+
+template <class R>
+class RendererBehind final : public AnyRenderer {
+  public:
+    template <class Options>
+    explicit RendererBehind(const Options& options) : renderer_(options) {}
+
+    std::uint32_t upload(const AnySource& source) override {
+        std::vector<AnyItem> items;
+        items.reserve(source.item_count());
+        for (std::uint32_t i = 0; i < source.item_count(); ++i) items.push_back({&source, i});
+        return renderer_.upload(Source<AnyItem>{items, {}, source.item_count()});
+    }
+    void release(std::uint32_t id) override { renderer_.release(id); }
+    void begin_frame(const LocalView& view) override { renderer_.begin_frame(view); }
+    void set_view(const LocalView& view) override { renderer_.set_view(view); }
+    void end_frame() override { renderer_.end_frame(); }
+    void draw(std::uint32_t id, std::span<const Range> ranges) override {
+        Source<AnyItem> source{};
+        source.id = id;
+        renderer_.draw(source, ranges);
+    }
+    const Image& image() const override { return renderer_.image(); }
+
+    void draw([[maybe_unused]] std::span<const Face> faces) override {
+        if constexpr (R::facts.draws_faces) renderer_.draw(faces);
+    }
+    void draw([[maybe_unused]] std::span<const Splat> splats) override {
+        if constexpr (R::facts.draws_splats) renderer_.draw(splats);
+    }
+    float largest_splat_px() const override {
+        if constexpr (R::facts.draws_splats) return renderer_.largest_splat_px();
+        return 0;
+    }
+    bool deposits_primitives() const override {
+        if constexpr (R::facts.deposits_primitives) return renderer_.deposits_primitives();
+        return false;
+    }
+    bool hidden([[maybe_unused]] const Cell& cell, [[maybe_unused]] CellId id) override {
+        if constexpr (R::facts.answers_hidden) return renderer_.hidden(cell, id);
+        return false;
+    }
+
+    const CoverageWork* work() const override {
+        if constexpr (requires { renderer_.work(); }) return &renderer_.work();
+        return nullptr;
+    }
+    const CoverageWorkImage* work_map() const override {
+        if constexpr (requires(const CoverageWorkImage*& map) { map = &renderer_.work(); }) return &renderer_.work();
+        return nullptr;
+    }
+
+  private:
+    R renderer_;
+};
+
+}  // namespace farfield::scenes

@@ -1,0 +1,29 @@
+#include "farfield/renderer/hierarchical_z_renderer.hpp"
+#include "farfield/renderer/painter_renderer.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
+#include "scenes/renderers/coverage_renderers.hpp"
+
+namespace farfield::scenes {
+
+std::unique_ptr<AnyRenderer> make_renderer(const RendererChoice& choice, bool is_strict) {
+    ZBufferOptions z_buffer;
+    z_buffer.samples = choice.samples;
+    z_buffer.culls_back_faces = choice.culls_back_faces;
+    PainterOptions painter;
+    painter.samples = choice.samples;
+    painter.culls_back_faces = choice.culls_back_faces;
+    switch (choice.kind) {
+        case RendererKind::hierarchical_z:
+            return std::make_unique<RendererBehind<HierarchicalZRenderer>>(z_buffer);
+        case RendererKind::painter:
+            return std::make_unique<RendererBehind<PainterRenderer>>(painter);
+        case RendererKind::coverage:
+            if (choice.masks_by_table) return make_table_coverage_renderer(choice);
+            return is_strict ? make_strict_coverage_renderer(choice) : make_lazy_coverage_renderer(choice);
+        case RendererKind::z_buffer:
+            break;
+    }
+    return std::make_unique<RendererBehind<ZBufferRenderer>>(z_buffer);
+}
+
+}  // namespace farfield::scenes
