@@ -23,7 +23,13 @@ class SceneViewer {
   public:
     virtual ~SceneViewer() = default;
     virtual FrameStats frame(const View& view) = 0;
-    /// Of the last frame; premultiplied, coverage in alpha.
+    /// What frame() draws, geometry in gray and stand-ins, if there are any, tinted by level; premultiplied, coverage in
+    /// alpha.
+    virtual Image how_drawn(const View& view) {
+        frame(view);
+        return image();
+    }
+    /// The last frame; premultiplied, coverage in alpha.
     virtual const Image& image() const = 0;
     /// Of the last frame: of coverage masks, null of others.
     virtual const CoverageWork* work() const { return nullptr; }

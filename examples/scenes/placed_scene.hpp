@@ -18,6 +18,7 @@
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/built_scene.hpp"
+#include "scenes/how_drawn.hpp"
 #include "scenes/object.hpp"
 #include "scenes/scene.hpp"
 
@@ -100,6 +101,10 @@ class PlacedScene final : public BuiltScene {
             : renderer_(make_renderer(choice, Renderer::facts.needs_ordering == OrderGuarantee::primitives)),
               viewer_(hierarchy, std::span<const P>(primitives), renderer_) {}
         FrameStats frame(const View& view) override { return viewer_.frame(view); }
+        Image how_drawn(const View& view) override {
+            viewer_.select(view, selection_);
+            return scenes::how_drawn(viewer_, selection_, [this]() -> const Image& { return image(); });
+        }
         const Image& image() const override { return renderer_.any().image(); }
         const CoverageWork* work() const override { return renderer_.any().work(); }
         const CoverageWorkImage* work_map() const override { return renderer_.any().work_map(); }
@@ -107,6 +112,7 @@ class PlacedScene final : public BuiltScene {
       private:
         RendererLike<Renderer> renderer_;
         Viewer<Hierarchy, P, RendererLike<Renderer>> viewer_;
+        Selection<Hierarchy, P> selection_;
     };
 
     template <class Renderer>

@@ -117,6 +117,7 @@ class Run {
             }
             progress_.step();
         }
+        if (!is_exact && options_.out_directory && result.drawn.approximations > 0) draw_cut(*viewer, variant);
         if (result.coverage && options_.out_directory) {
             viewer.reset();  // it holds a copy of all triangles
             draw_work(*(is_exact ? exact_ : built), variant);
@@ -171,6 +172,17 @@ class Run {
             write(work.tiled(), "_work_tiling");
             write(work.asked(), "_work_asking");
             write(sum, "_work");
+            progress_.step();
+        }
+    }
+
+    /// Which cells are drawn by stand-ins, and which as geometry, in the frames that are compared.
+    void draw_cut(SceneViewer& viewer, const Variant& variant) {
+        progress_.begin("drawing the cut of " + std::string(variant.name), int(flight_.quality_frames.size()));
+        for (const int frame : flight_.quality_frames) {
+            const Image cut = viewer.how_drawn(view_of(frame, variant.distance));
+            report::write_png(report::over_background(cut, setting_.background),
+                              file(std::string(variant.name), frame, "_how_drawn"));
             progress_.step();
         }
     }

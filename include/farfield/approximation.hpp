@@ -1,4 +1,5 @@
-// What can be drawn instead of a cell's contents, and how wrong it is: the second of the three policies.
+// An approximation says what can be drawn instead of a cell's contents, and how wrong it is: the second of the three
+// policies.
 //
 // An approximation that draws cells by something else (`stands_in`) brings, at the least:
 //
@@ -17,7 +18,7 @@
 //                                                           the faces are taken that are drawn from two opposite
 //                                                           corners
 //
-// Whatever else there is, facts announce, and make required.
+// Facts announce whatever else it has, and make it required.
 #pragma once
 
 #include <array>
@@ -69,7 +70,7 @@ struct ChildDraft {
 };
 
 namespace archetype {
-/// What a stand-in is drawn into. `splat_limit_px` is 0 where the renderer has no splats.
+/// A sink that a stand-in is drawn into. `splat_limit_px` is 0 where the renderer has no splats.
 struct StandInSink {
     float splat_limit_px = 0;
     void operator()(const Face&) const {}
@@ -97,7 +98,7 @@ requires(A::facts.has_pool&& requires { typename A::pool_element; }) struct Pool
 };
 }  // namespace detail
 
-/// What an approximation's pool is an array of; an empty record where there is no pool.
+/// The element of an approximation's pool; an empty record where there is no pool.
 template <class A>
 using pool_element_of = typename detail::PoolElement<A>::type;
 

@@ -23,7 +23,7 @@
 
 namespace farfield {
 
-/// What a build can be told. Same input and options give the same bytes, whatever the executor and its number of
+/// Options of a build. Same input and options give the same bytes, whatever the executor and its number of
 /// threads.
 template <class H, OrthographicSampler Sampler = GridSampler>
 struct BuildOptions {
@@ -66,9 +66,9 @@ requires BuildableFrom<H, std::ranges::range_value_t<Range>> H build(const Range
     return H(options.partition, options.approximation, options.cost_model, detail::build_data(all, options));
 }
 
-/// As build(), and puts the primitives into the hierarchy's order, so that no list of indices is needed: four bytes a
-/// primitive less, and runs read memory in a row. Only where every primitive is stored once. Whatever is thrown, the
-/// primitives are then as they were, but for what their own copies and moves throw.
+/// Builds as build() does, and puts the primitives into the hierarchy's order, so that no list of indices is needed:
+/// four bytes a primitive less, and runs read memory in a row. Only where every primitive is stored once. Whatever is
+/// thrown, the primitives are then as they were, but for what their own copies and moves throw.
 template <class H, OrthographicSampler Sampler = GridSampler, detail::ContiguousPrimitives Range>
 requires BuildableFrom<H, std::ranges::range_value_t<Range>> &&(H::assignment == Assignment::unique) &&
     (!std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Range>>>)H

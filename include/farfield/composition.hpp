@@ -1,5 +1,5 @@
-// What goes together: three policies; a hierarchy and a primitive; both and a renderer. Every condition is a named
-// concept, so that compilers name what is missing.
+// These concepts say what goes together: three policies; a hierarchy and a primitive; both and a renderer. Every
+// condition is a named concept, so that compilers name what is missing.
 #pragma once
 
 #include "farfield/approximation.hpp"
@@ -20,7 +20,8 @@ template <class Partition_, class A, class C>
 concept Composable = Partition<Partition_> && Approximation<A> && CostModel<C> && AssignmentAgreed<Partition_, A> &&
     OrderSufficient<Partition_, A>;
 
-/// What partition and approximation agree upon: unique where both can, for it makes one run of every subtree.
+/// The assignment that partition and approximation agree upon: unique where both can, for it makes one run of every
+/// subtree.
 template <class Partition_, class A>
 requires AssignmentAgreed<Partition_, A>
 inline constexpr Assignment agreed_assignment = [] {

@@ -1,4 +1,5 @@
-// What drawing takes, in counts, and what a unit of each kind of work is worth: the third of the three policies.
+// Work counts what drawing takes; a cost model says what a unit of each kind of work is worth: the third of the three
+// policies.
 #pragma once
 
 #include <concepts>

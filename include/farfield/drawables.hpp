@@ -1,4 +1,4 @@
-// What is handed to a renderer: ranges of primitives and where they come from, and what stands in for a cell.
+// A renderer is handed these: ranges of primitives, the source they come from, and what stands in for a cell.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ namespace farfield {
 struct Range {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
-    /// How the primitives of the cell that it belongs to go together, for a renderer that deposits the small ones.
+    /// The law by which the primitives of its cell go together, for a renderer that deposits the small ones.
     /// Unset: unknown, or nobody asked; each primitive is then drawn for itself.
     std::optional<AreaLaw> law{};
 };

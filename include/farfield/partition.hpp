@@ -1,4 +1,4 @@
-// How space is divided, and in which order its parts are visited: the first of the three policies.
+// A partition says how space is divided, and in which order its parts are visited: the first of the three policies.
 //
 // A policy announces itself by a `facts` constant. A flag that is set there makes the hooks beside it required, so that
 // a misspelt hook does not compile instead of drawing nothing.
@@ -107,9 +107,9 @@ concept PlacesItems = requires(const T& t, const Cell& cell, typename T::node_da
     t.place(cell, frozen, item, archetype::Touches{}, archetype::Emit{});
 };
 
-/// What partitions that offer `clipped` are asked. An item goes to child_at(data, side of each plane), cut where it
-/// crosses one; what lies on a plane, up to rounding, goes undivided. Cells stay around what is in them: fit() may use
-/// that.
+/// Partitions that offer `clipped` are asked this instead. An item goes to child_at(data, side of each plane), cut
+/// where it crosses one; what lies on a plane, up to rounding, goes undivided. Cells stay around what is in them: fit()
+/// may use that.
 template <class T>
 concept CutsItems = requires(const T& t, const Cell& cell, typename T::node_data& data,
                              const typename T::node_data& frozen, const ClippedItems& items,

@@ -1,5 +1,5 @@
-// What the user brings to draw with: ranges of primitives always; faces, splats, deposits of primitives and answers
-// about occlusion where the renderer's facts say so.
+// The user brings a renderer to draw with: ranges of primitives always; faces, splats, deposits of primitives and
+// answers about occlusion where the renderer's facts say so.
 #pragma once
 
 #include <concepts>
@@ -14,7 +14,7 @@
 
 namespace farfield {
 
-/// What a renderer promises and asks. Each flag makes the hook beside it required, so that a misspelt hook is an
+/// Promises and demands of a renderer. Each flag makes the hook beside it required, so that a misspelt hook is an
 /// error and not silence.
 struct RendererFacts {
     VisitOrder order = VisitOrder::any;                    ///< in which cells' primitives are wanted

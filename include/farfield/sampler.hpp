@@ -1,4 +1,4 @@
-// What makes the colors of stand-ins: something that looks at a part of a scene through the six sides of a box.
+// A sampler makes the colors of stand-ins: it looks at a part of a scene through the six sides of a box.
 //
 // "A color-cube is created by rendering its list of associated primitives to the screen, using an orthographic
 // projection through each of its six faces" (Chamberlain et al. 1996, section 4). A user's renderer can do that by

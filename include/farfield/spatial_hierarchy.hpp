@@ -35,8 +35,8 @@ class SpatialHierarchy {
     using Arrays = HierarchyArrays<Partition_, A>;
 
     static constexpr Assignment assignment = agreed_assignment<Partition_, A>;
-    /// What front to back guarantees. Bounding boxes of cells may overlap where planes between them are oblique, so no
-    /// stand-in is in order with the polygons in another cell.
+    /// The guarantee of an order front to back. Bounding boxes of cells may overlap where planes between them are
+    /// oblique, so no stand-in is in order with the polygons in another cell.
     static constexpr OrderGuarantee ordering = A::facts.stands_in && Partition_::facts.ordering > OrderGuarantee::cells
                                                    ? OrderGuarantee::cells
                                                    : Partition_::facts.ordering;
@@ -74,7 +74,7 @@ class SpatialHierarchy {
     std::span<const stand_in_data> stand_ins() const { return arrays_.stand_ins; }
     std::span<const pool_element> pool() const { return arrays_.pool; }
     std::span<const node_data> all_node_data() const { return arrays_.node_data; }
-    /// What positions hold where the partition cuts; empty elsewhere.
+    /// The pieces that positions hold where the partition cuts; empty elsewhere.
     const Fragments& fragments() const { return arrays_.fragments; }
 
     node_data data_of(std::uint32_t node) const {

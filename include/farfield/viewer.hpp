@@ -1,6 +1,6 @@
 // One viewer's frames over one hierarchy. All that lives across frames lives here; hierarchies never change.
 //
-// How the cut is chosen is in frame/descent.hpp. A frame draws it as it is found, in one pass; select() keeps it
+// frame/descent.hpp chooses the cut. A frame draws it as it is found, in one pass; select() keeps it
 // instead (frame/selection.hpp), and draw() draws what was kept.
 #pragma once
 
@@ -55,13 +55,13 @@ class Viewer {
         return end();
     }
 
-    /// What frame() would draw, if nothing hid anything. The renderer is not touched. Throws for memory alone.
+    /// Keeps what frame() would draw if nothing hid anything. The renderer is not touched. Throws for memory alone.
     Selection<H, P> select(const View& view) {
         Selection<H, P> selection;
         select(view, selection);
         return selection;
     }
-    /// As above, into memory that a selection has already.
+    /// Selects into the memory that a selection has already.
     void select(const View& view, Selection<H, P>& selection) {
         const LocalView local = outermost(view);
         selection.select(hierarchy_, primitives_, view, local, traversal_order<H, R>,

@@ -9,7 +9,7 @@ set -euo pipefail
 
 [[ $# -ge 2 ]] || { sed -n '2,/^set/s/^# \{0,1\}//p' "$0" | sed '$d' >&2; exit 2; }
 old="$1" new="$2" directory="${3:-$(mktemp -d)}"
-scenes=(tree molecule forest-instanced island building chessboard cube)
+scenes=(tree forest-instanced island building chessboard cube)
 renderers=("z-buffer 1" "z-buffer 4" "coverage 1" "coverage 64" "hierarchical-z 1" "painter 4")
 differing=0 compared=0
 
@@ -17,15 +17,12 @@ differing=0 compared=0
 draw() {
     local walkthrough="$1" out="$2" variants=all
     [[ "$4" != painter ]] || variants=bsp,octree-of-bsps
-    # One BSP over the spheres of a molecule cuts them into more pieces than memory holds.
-    [[ "$3" != molecule ]] || variants=exact,color-cube,color-cube-direct,color-cube-shared,color-cube-cluster,color-cube-1995,opacity-tensor
     "$walkthrough" --scene "$3" --variant "$variants" --renderer "$4" --samples "$5" --tolerance "$6" --size 160x120 \
         --frames 2 --out "$out" "${@:7}" >"$out.txt" 2>&1 || { cat "$out.txt" >&2; exit 1; }
 }
 
 for scene in "${scenes[@]}"; do
     for renderer in "${renderers[@]}"; do
-        [[ "$scene $renderer" != "molecule painter"* ]] || continue
         for place in "flight 2" "far 1 --distance 5 --angle 20"; do
             read -r name tolerance arguments <<<"$place"
             read -r renderer_name samples <<<"$renderer"

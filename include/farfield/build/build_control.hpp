@@ -30,7 +30,7 @@ class BuildControl {
         }
     }
 
-    /// As run(), of steps too small to report.
+    /// Runs f as run() does, without reports: for steps that are too small.
     template <class F>
     void run_quietly(std::size_t count, F&& f) const {
         if (executor_) {

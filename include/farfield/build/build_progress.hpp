@@ -1,4 +1,4 @@
-// How far a build has come, and how it is stopped.
+// A build says how far it has come, and can be stopped.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// How a hierarchy is built, in phases: split (cell_splitter.hpp, or polygon_splitter.hpp where polygons are cut) ->
+// A hierarchy is built in phases: split (cell_splitter.hpp, or polygon_splitter.hpp where polygons are cut) ->
 // order, depth first -> drafts of stand-ins, bottom up -> which of them pay -> which of these are needed
 // (prune_stand_ins.hpp)
 // -> freeze. Only freezing makes runs: policies may still move items before it.
@@ -176,7 +176,7 @@ class HierarchyBuilder {
         }
     }
 
-    /// In the order that nodes will have, which is that of the pool.
+    /// Nodes in the order that they will have, which is that of the pool.
     std::vector<std::uint32_t> nodes_by_place() const {
         std::vector<std::uint32_t> order(nodes_.size());
         for (std::size_t n = 0; n < nodes_.size(); ++n) order[nodes_[n].place] = std::uint32_t(n);

@@ -24,7 +24,7 @@ class PolygonReader {
     std::vector<ClippedItem> items;
     std::uint32_t joined = 0, without_area = 0;
 
-    /// What follows is not joined with what came before.
+    /// The next polygon is not joined with the one before.
     void interrupt() { previous_is_triangle_ = false; }
 
     /// `cost` is that of one triangle. Whether a polygon is lit already is not kept: only stand-ins say so, and those

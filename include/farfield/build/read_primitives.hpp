@@ -1,4 +1,4 @@
-// What a build learns of the scene as a whole before it divides it, and which primitives it refuses.
+// Before a build divides the scene it learns what holds for the whole, and refuses primitives that cannot be drawn.
 #pragma once
 
 #include <cmath>

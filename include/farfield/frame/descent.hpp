@@ -1,5 +1,5 @@
-// How the cut is chosen: one descent over a hierarchy and the instances in it, which says what is to be drawn, and in
-// which order, to a sink that draws it at once or keeps it.
+// The cut is chosen by one descent over a hierarchy and the instances in it. It tells a sink what is to be drawn, and
+// in which order; the sink draws it at once or keeps it.
 //
 //     outside the frustum                                              -> cull
 //     has a stand-in whose error from here is within tolerance         -> draw the stand-in
@@ -212,7 +212,7 @@ class Descent {
         }
     }
 
-    /// Those of the stack from `next` on that come before a key; returns the first that does not.
+    /// Draws instances of the stack, from `next` on, that come before a key; returns the first that does not.
     template <class V>
     std::size_t draw_gathered(V& v, std::size_t next, float end_key) {
         using P = typename V::primitive_type;

@@ -1,4 +1,4 @@
-// A descent's sink, or a selection's, that draws at once.
+// This sink of a descent, or of a selection, draws at once.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace farfield {
 
-/// Stand-ins as they are.
+/// Stand-ins keep their colors.
 struct AsTheyAre {};
 
 namespace detail {
@@ -58,7 +58,7 @@ class DrawNow {
     }
     template <class V>
     bool hidden(const V& v, const Subtree& subtree) {
-        // What waits lies in front and may be what hides it.
+        // Runs that wait lie in front of it and may be what hides it.
         if constexpr (R::facts.order == VisitOrder::front_to_back) queue_.flush(v.source);
         return renderer_.hidden(subtree.cell, CellId{v.path, subtree.node});
     }

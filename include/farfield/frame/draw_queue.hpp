@@ -1,4 +1,4 @@
-// What a descent wants drawn, handed to the renderer in batches.
+// Whatever a descent wants drawn waits here, and is handed to the renderer in batches.
 #pragma once
 
 #include <algorithm>
@@ -34,7 +34,7 @@ class DrawQueue {
         views_.clear();
     }
 
-    /// What follows is in this view.
+    /// Sets the view of all that follows.
     void set_view(const LocalView& view) {
         renderer_.set_view(view);
         if constexpr (defers) views_.push_back(view);

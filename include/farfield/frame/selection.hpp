@@ -1,4 +1,4 @@
-// What a frame would draw, kept instead of drawn: the cut through a hierarchy, to be looked at, counted, drawn later or
+// A selection keeps what a frame would draw, the cut through a hierarchy: to be looked at, counted, drawn later or
 // drawn by another renderer.
 #pragma once
 
@@ -39,7 +39,7 @@ struct Selected {
 
 namespace detail {
 
-/// Of a walk over a selection, the entries.
+/// Visits the entries of a selection and nothing else.
 template <class F>
 struct EntriesOnly {
     F& f;
@@ -98,8 +98,8 @@ class SelectionSink {
 
 }  // namespace detail
 
-/// Entries come in the order in which they are to be drawn, those in an instance right after it. Of what lies behind
-/// something else nothing is known: nothing is left out for being hidden. Borrows the hierarchy and the primitives, as
+/// Entries come in the order in which they are to be drawn, those in an instance right after it. Nothing is left out
+/// for being hidden, since nothing has been drawn. Borrows the hierarchy and the primitives, as
 /// Viewer does, and is good as long as they are.
 template <class H, class P>
 class Selection {
@@ -111,13 +111,13 @@ class Selection {
     /// The outermost hierarchy's, then one an instance that was entered.
     std::span<const LocalView> views() const { return views_; }
     const View& view() const { return view_; }
-    /// What selecting did; what drawing does is counted when it is drawn.
+    /// Counts what selecting did; drawing is counted when it is drawn.
     const FrameStats& stats() const { return stats_; }
     VisitOrder order() const { return order_; }
     const H* hierarchy() const { return hierarchy_; }
     std::span<const P> primitives() const { return primitives_; }
 
-    /// What drawing it takes, cells that were visited included.
+    /// The work of drawing it, cells that were visited included. Looks at every primitive of every run.
     Work work() const {
         Work sum{.cells = float(stats_.cells_visited)};
         for_each([&](const auto& entered, const Selected& s) {
@@ -134,7 +134,7 @@ class Selection {
         });
         return sum;
     }
-    /// In the unit of the hierarchy's cost model.
+    /// The price of that work, in the unit of the hierarchy's cost model.
     float cost() const { return hierarchy_ != nullptr ? hierarchy_->cost_policy().cost(work()) : 0.0f; }
 
     /// Calls f(entered, selected) for each entry, with the hierarchy, source, view and path that it belongs to
@@ -144,8 +144,9 @@ class Selection {
         walk(detail::EntriesOnly<std::remove_reference_t<F>>{f});
     }
 
-    /// As for_each(), and calls visitor.enter(entered) and visitor.leave(entered) around the entries of each hierarchy,
-    /// visitor.leave_instance(entered) after an instance; visitor.source_id(hierarchy, primitives) names a source.
+    /// Does what for_each() does, and calls visitor.enter(entered) and visitor.leave(entered) around the entries of
+    /// each hierarchy, visitor.leave_instance(entered) after an instance; visitor.source_id(hierarchy, primitives)
+    /// names a source.
     template <class Visitor>
     void walk(Visitor visitor) const {
         if (hierarchy_ != nullptr && hierarchy_->item_count() != 0) {
@@ -153,7 +154,7 @@ class Selection {
         }
     }
 
-    /// For Viewer: forgets what it held, and keeps what descend(sink, stats) selects. Memory is used again.
+    /// A Viewer calls this: forgets what was held, and keeps what descend(sink, stats) selects. Memory is used again.
     template <class Descend>
     void select(const H& hierarchy, std::span<const P> primitives, const View& view, const LocalView& local,
                 VisitOrder order, Descend&& descend) {

@@ -1,4 +1,4 @@
-// What a viewer keeps of each hierarchy that it may meet: the outermost one and those of instances.
+// A viewer keeps this of each hierarchy that it may meet: the outermost one and those of instances.
 #pragma once
 
 #include <algorithm>

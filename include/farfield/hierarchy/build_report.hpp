@@ -1,11 +1,11 @@
-// What a build says about itself.
+// A build says what it did.
 #pragma once
 
 #include <cstdint>
 
 namespace farfield {
 
-/// What was built, what was refused and what stopped early.
+/// Counts of what was built, what was refused and what stopped early.
 struct BuildReport {
     std::uint64_t primitives = 0;
     std::uint64_t items = 0;  ///< primitives counted once for every cell that has them; of what is cut, fragments

@@ -1,4 +1,4 @@
-// What a hierarchy is made of: facts, which are one record, and arrays. Built, stored and opened alike.
+// A hierarchy is made of facts, which are one record, and arrays. All of it is built, stored and opened alike.
 #pragma once
 
 #include <cstddef>
@@ -55,7 +55,7 @@ struct FragmentArrays {
     operator Fragments() const { return {first_vertex, vertices, colors}; }
 };
 
-/// What a builder makes: HierarchyArrays with memory of their own.
+/// A builder's result: HierarchyArrays with memory of their own.
 template <class Partition_, class A>
 struct HierarchyData {
     HierarchyFacts facts{};

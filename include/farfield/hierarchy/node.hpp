@@ -1,4 +1,4 @@
-// What a hierarchy is an array of, and the numbers that a frame and a build must agree on.
+// A hierarchy is an array of nodes. Beside them stand the numbers that a frame and a build must agree on.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +19,8 @@ struct Node {
     std::uint8_t child_mask = 0;         ///< which of the partition's children exist; absent ones were empty
     std::uint8_t stand_in_mask = 0;      ///< which of them have a stand-in
     std::uint8_t stand_in_levels_below = nothing_below;  ///< below this node, itself 0, the reach of others counted
-    /// How many levels of stand-ins below it its own one reproduces: it may be drawn in their place, and where it may
-    /// not they are missing. 0 for most.
+    /// The number of levels of stand-ins below it that its own one reproduces: it may be drawn in their place, and
+    /// where it may not they are missing. 0 for most.
     std::uint8_t levels_replaced = 0;
 
     friend bool operator==(const Node&, const Node&) = default;
@@ -40,7 +40,7 @@ inline constexpr std::uint32_t max_items_unculled = 128;
 inline constexpr std::uint32_t max_items_per_deposited_run = 32;
 
 namespace detail {
-/// What the error is multiplied by of a stand-in that is drawn in place of those `levels_replaced` levels below it.
+/// The factor of the error of a stand-in that is drawn in place of those `levels_replaced` levels below it.
 inline float error_of_replaced_levels(const Node& node) {
     return std::bit_cast<float>((127u - std::min<unsigned>(node.levels_replaced, 126u)) << 23);
 }
