@@ -38,7 +38,29 @@ Source<P> source_of(const H& h, std::span<const P> primitives, std::uint32_t id)
     return {primitives, h.order(), h.item_count(), h.origin(), id, h.fragments()};
 }
 
-/// Pages sources into the renderer and, when it goes, out again.
+/// Throws std::invalid_argument, whose text begins with `who`, if primitives are not as many as a hierarchy was built
+/// from, or if strict order is needed and not kept.
+template <class H, class P>
+void check_source(const char* who, const H& h, std::span<const P> primitives, bool needs_strict_order) {
+    if (primitives.size() != h.primitive_count()) {
+        throw std::invalid_argument(std::string(who) + " was built from " + std::to_string(h.primitive_count()) +
+                                    " primitives and is given " + std::to_string(primitives.size()));
+    }
+    if (needs_strict_order && !h.keeps_strict_order()) {
+        throw std::invalid_argument(
+            std::string(who) + " does not keep its polygons in strict order, as the renderer needs them, in " +
+            std::to_string(h.report().cells_out_of_order) + " cells (BuildReport::cells_out_of_order)");
+    }
+}
+/// Throws std::invalid_argument if a hierarchy from a file was built from other primitives. Looks at all of them.
+template <class H, class P>
+void check_fingerprint(const char* who, const H& h, std::span<const P> primitives) {
+    if (h.is_from_file() && fingerprint_of(primitives) != h.fingerprint()) {
+        throw std::invalid_argument(std::string(who) + " was built from other primitives, or in another order");
+    }
+}
+
+/// Uploads sources to the renderer and, when it goes, releases them.
 template <class R>
 class SourceTable {
   public:
@@ -73,25 +95,12 @@ class SourceTable {
 
     template <class H, class P>
     void add(const H& h, std::span<const P> primitives) {
-        if (primitives.size() != h.primitive_count()) {
-            throw std::invalid_argument("farfield::Viewer: the hierarchy was built from " +
-                                        std::to_string(h.primitive_count()) + " primitives and is given " +
-                                        std::to_string(primitives.size()));
-        }
-        if constexpr (R::facts.needs_ordering == OrderGuarantee::primitives) {
-            if (!h.keeps_strict_order()) {
-                throw std::invalid_argument("farfield::Viewer: the renderer needs polygons in strict order, which " +
-                                            std::to_string(h.report().cells_out_of_order) +
-                                            " cells of a hierarchy do not keep (BuildReport::cells_out_of_order)");
-            }
-        }
+        constexpr const char* who = "farfield::Viewer: the hierarchy";
+        check_source(who, h, primitives, R::facts.needs_ordering == OrderGuarantee::primitives);
         for (const SourceState& s : sources_) {
             if (s.hierarchy == &h && s.primitives == primitives.data()) return;
         }
-        if (h.is_from_file() && fingerprint_of(primitives) != h.fingerprint()) {
-            throw std::invalid_argument(
-                "farfield::Viewer: the hierarchy in the file was built from other primitives, or in another order");
-        }
+        check_fingerprint(who, h, primitives);
         SourceState state{&h, primitives.data()};
         if constexpr (R::facts.keeps_sources) state.id = renderer_.upload(source_of(h, primitives, 0));
         if constexpr (H::assignment == Assignment::shared) state.stamps.assign(primitives.size(), 0);
