@@ -76,7 +76,8 @@ class Descent {
         if constexpr (H::assignment == Assignment::shared) state.begin_epoch();
         Visit<H, P> v{{h, source_of(h, primitives, state.id), view, path}, state};
         sink_.enter(v);
-        visit(v, whole_of(h), LawOf<Visit<H, P>>());
+        Subtree whole = whole_of(h);
+        visit(v, whole, LawOf<Visit<H, P>>());
         sink_.leave(v);
     }
 
@@ -102,9 +103,9 @@ class Descent {
     template <class V>
     using LawOf = std::conditional_t<carries_law<V>, std::optional<AreaLaw>, NoLaw>;
 
-    /// `law` is that of the nearest ancestor with a stand-in.
+    /// `law` is that of the nearest ancestor with a stand-in. Planes that the subtree does not cross are taken away.
     template <class V>
-    void visit(V& v, Subtree subtree, LawOf<V> law) {
+    void visit(V& v, Subtree& subtree, LawOf<V> law) {
         ++stats_.cells_visited;
         if (is_outside(v.view.planes, subtree)) {
             ++stats_.cells_outside;
@@ -173,7 +174,7 @@ class Descent {
         if (own_end != node.first_item) gather_items(v, subtree, node.first_item, own_end, law);
         std::size_t next_instance = own_instances;
         for_each_child<traversal_order<typename V::hierarchy_type, R>>(
-            h, subtree, v.view.viewpoint(), [&](const Subtree& child) {
+            h, subtree, v.view.viewpoint(), [&](Subtree& child) {
                 next_instance = draw_gathered(v, next_instance, order_key(v, child.cell.bounds_center));
                 visit(v, child, law);
             });

@@ -63,7 +63,7 @@ Subtree child_of(const H& hierarchy, const Subtree& parent, const Node& node, co
 
 }  // namespace detail
 
-/// Calls f(Subtree) for each child, in an order; children cross no planes but those that their parent crosses.
+/// Calls f(Subtree&) for each child, in an order; children cross no planes but those that their parent crosses.
 template <VisitOrder order, class H, class F>
 void for_each_child(const H& hierarchy, const Subtree& parent, glm::vec4 viewpoint, F&& f) {
     const Node& node = hierarchy.nodes()[parent.node];
@@ -75,7 +75,8 @@ void for_each_child(const H& hierarchy, const Subtree& parent, glm::vec4 viewpoi
     for (std::size_t i = 0; i < children.size(); ++i) {
         const unsigned child = children[order == VisitOrder::back_to_front ? children.size() - 1 - i : i];
         if ((node.child_mask >> child & 1) == 0) continue;
-        f(detail::child_of(hierarchy, parent, node, node_data, child));
+        Subtree subtree = detail::child_of(hierarchy, parent, node, node_data, child);
+        f(subtree);
     }
 }
 
