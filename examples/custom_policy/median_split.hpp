@@ -13,16 +13,15 @@
 
 struct MedianSplit {
     std::uint16_t max_depth = 40;  ///< options are public members with defaults
-
     static constexpr farfield::PartitionFacts facts{
         .offers = farfield::Assignment::shared, .ordering = farfield::OrderGuarantee::cells, .file_tag = 0x6d730001u};
     struct node_data {  ///< what is kept for every node: where its plane lies
         float position;
         std::uint32_t axis;
     };
-
-    farfield::Cell root(const farfield::Box& bounds) const { return cell_of(bounds, 0); }
-
+    farfield::Cell root(const farfield::Box& bounds) const {
+        return bounds.is_empty() ? farfield::Cell{} : cell_of(bounds, 0);
+    }
     /// Whether and where to split: at the median of the centers, across the cell's longest side.
     farfield::Split choose(const farfield::Cell& cell, std::span<const farfield::Item> items, node_data& data) const {
         if (cell.depth >= max_depth) return farfield::Split::too_deep;
@@ -33,7 +32,8 @@ struct MedianSplit {
         const auto middle = centers.begin() + std::ptrdiff_t(centers.size() / 2);
         std::nth_element(centers.begin(), middle, centers.end());
         data.position = *middle;
-        const bool divides = cell.box().lower[axis] < *middle && *middle < cell.box().upper[axis];
+        const farfield::Box box = cell.box();
+        const bool divides = box.lower[axis] < *middle && *middle < box.upper[axis];
         return divides ? farfield::Split::yes : farfield::Split::no;
     }
     template <class Touches, class Emit>
@@ -41,21 +41,18 @@ struct MedianSplit {
         if (item.bounds.lower[int(data.axis)] <= data.position) emit(0);
         if (item.bounds.upper[int(data.axis)] > data.position) emit(1);
     }
-    /// Cells are computed at every descent and never stored.
     farfield::Cell child(const farfield::Cell& parent, const node_data& data, unsigned i) const {
         farfield::Box box = parent.box();
         (i == 0 ? box.upper : box.lower)[int(data.axis)] = data.position;
-        return cell_of(box, std::uint16_t(parent.depth + 1));
+        return cell_of(box, parent.depth + 1u);
     }
-    /// The viewpoint is a point where w is 1, a direction to the viewer where it is 0.
     void front_to_back(const farfield::Cell&, const node_data& data, glm::vec4 viewpoint,
                        farfield::ChildOrder& order) const {
         order[0] = viewpoint[int(data.axis)] > data.position * viewpoint.w ? 1 : 0;
         order[1] = std::uint8_t(1 - order[0]);
     }
-    static farfield::Cell cell_of(const farfield::Box& box, std::uint16_t depth) {
-        if (box.is_empty()) return {};
-        return {box.center(), 0.5f * box.size(), box.center(), 0.5f * box.size(), depth, 0};
+    static farfield::Cell cell_of(const farfield::Box& box, unsigned depth) {
+        return {box.center(), 0.5f * box.size(), box.center(), 0.5f * box.size(), std::uint16_t(depth), 0};
     }
 };
 static_assert(farfield::Partition<MedianSplit>);

@@ -7,12 +7,8 @@
 #include "farfield/cost_model.hpp"
 
 struct TriangleEnergy {
-    // ---- Options.
-
     float nanojoules_per_byte = 0.15f;  ///< about what memory outside of the chip takes
     float nanojoules_per_pixel = 2;     ///< of a face, which is about one in size
-
-    // ---- Required by farfield::CostModel: one number for all kinds of work, in one unit.
 
     static constexpr const char* unit = "nanojoules";
     static constexpr std::uint32_t file_tag = 0x74650001u;
@@ -23,8 +19,6 @@ struct TriangleEnergy {
                             bytes_per_texel * (work.texels + work.images);
         return nanojoules_per_byte * bytes + nanojoules_per_pixel * (work.faces + work.splats);
     }
-
-    // ---- Helpers.
 
   private:
     static constexpr float bytes_per_triangle = 40, bytes_per_cell = 32, bytes_per_run = 8, bytes_per_stand_in = 24,
