@@ -138,24 +138,24 @@ class MergedViewer {
 
     // --- regions of more than one body
 
-    /// The last one waiting is next; its parts are the last ones of `parts_`.
+    /// The last one waiting is next; its parts are the last ones of `waiting_parts_`.
     struct Region {
         std::size_t first_part, clips;  ///< of the stack of planes so many are its own, or those of what comes later
     };
 
     void push(std::span<const Part> parts, const Part* own) {
         if (parts.empty() && own == nullptr) return;
-        regions_.push_back({parts_.size(), walker_.clips.size()});
-        parts_.insert(parts_.end(), parts.begin(), parts.end());
-        if (own != nullptr) parts_.push_back(*own);
+        regions_.push_back({waiting_parts_.size(), walker_.clips.size()});
+        waiting_parts_.insert(waiting_parts_.end(), parts.begin(), parts.end());
+        if (own != nullptr) waiting_parts_.push_back(*own);
     }
 
     void draw_region() {
         const Region region = regions_.back();
         regions_.pop_back();
         walker_.clips.shrink(region.clips);
-        region_parts_.assign(parts_.begin() + std::ptrdiff_t(region.first_part), parts_.end());
-        parts_.resize(region.first_part);
+        region_parts_.assign(waiting_parts_.begin() + std::ptrdiff_t(region.first_part), waiting_parts_.end());
+        waiting_parts_.resize(region.first_part);
         if (region_parts_.size() > 1) {
             std::size_t left = 0;
             for (std::size_t i = 0; i < region_parts_.size(); ++i) {
@@ -175,7 +175,7 @@ class MergedViewer {
     }
 
     /// Whether the side that a plane's normal points to is drawn first.
-    bool front_is_first(std::uint32_t body, const PlaneInCell& plane) const {
+    bool front_is_first(std::uint32_t body, const LocalPlane& plane) const {
         return (plane.height(walker_.frame(body).view().viewpoint()) > 0) !=
                (R::facts.order == VisitOrder::back_to_front);
     }
@@ -185,7 +185,7 @@ class MergedViewer {
 
     void divide_at_face(const detail::SeparatingFace& face) {
         const Part part = region_parts_[face.part];
-        const PlaneInCell plane = detail::face_of_box(part.box, face.face, part.cell);
+        const LocalPlane plane = detail::face_of_box(part.box, face.face, part.cell);
         region_parts_.erase(region_parts_.begin() + std::ptrdiff_t(face.part));
         detail::SidesOfPlane& sides = sides_[0];
         detail::divide(region_parts_, walker_.frames(), part.body, plane, walker_.clips, sides);
@@ -211,7 +211,7 @@ class MergedViewer {
             return;
         }
         // Any plane that its polygons lie in tells them from what is before and behind them.
-        const PlaneInCell plane =
+        const LocalPlane plane =
             detail::plane_of_polygons(h.fragments(), h.nodes()[own_.node].first_item, own_.end_item, own_.cell);
         detail::divide(region_parts_, walker_.frames(), own_.body, plane, walker_.clips, sides_[0]);
         const bool front_first = front_is_first(own_.body, plane);
@@ -228,10 +228,10 @@ class MergedViewer {
             push_child(h, cuts, sides, others);
             return;
         }
-        const PlaneInCell in_cell(cuts.planes[plane], own_.cell);
+        const LocalPlane local_plane(cuts.planes[plane], own_.cell);
         detail::SidesOfPlane& their = sides_[plane];
-        detail::divide(others, walker_.frames(), own_.body, in_cell, walker_.clips, their);
-        const bool front_first = front_is_first(own_.body, in_cell);
+        detail::divide(others, walker_.frames(), own_.body, local_plane, walker_.clips, their);
+        const bool front_first = front_is_first(own_.body, local_plane);
         std::vector<Part>& last = front_first ? their.behind : their.in_front;
         ask_again(last);
         sides[plane] = front_first ? Side::behind : Side::in_front;
@@ -265,7 +265,7 @@ class MergedViewer {
     detail::SourceTable<R> sources_;
     detail::BodyWalker<H, P, R> walker_;
     std::vector<Region> regions_;
-    std::vector<Part> parts_;
+    std::vector<Part> waiting_parts_;
     std::vector<Part> region_parts_;  ///< of the region at work
     Part own_;                        ///< the one that divides it
     std::array<detail::SidesOfPlane, 3> sides_;

@@ -1,9 +1,7 @@
 // Faces of a cell's box: which are seen, how large they look, and what they are as polygons.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +14,7 @@
 #include "farfield/drawables.hpp"
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/halvings.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield {
@@ -50,7 +49,7 @@ inline Face face_of(const Cell& cell, unsigned side, Rgba8 premultiplied) {
 
 /// A lower bound, in pixels, of the projected side of cells `levels` below this one, each half as large as its parent.
 inline float least_projected_side(const Cell& cell, unsigned levels, const LocalView& view) {
-    const float side = cell.largest_side() * std::bit_cast<float>((127u - std::min(levels, 126u)) << 23);
+    const float side = cell.largest_side() * two_to_the_minus(levels);
     const glm::vec3 d = cell.center - view.eye;
     const float farthest = view.distance == DistanceMeasure::depth
                                ? glm::dot(d, view.forward) + glm::dot(glm::abs(view.forward), cell.half)

@@ -207,18 +207,15 @@ struct ColorCube {
     stand_in_draft projected(const Cell& cell, Contents&& contents) const {
         stand_in_draft d{};
         contents([&](const Polygon& polygon) {
-            glm::vec3 doubled_area(0);
+            const glm::vec3 doubled =
+                doubled_area<float>(polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i]; });
             glm::vec4 color(0);
-            for (std::size_t i = 2; i < polygon.vertices.size(); ++i) {
-                doubled_area += glm::cross(polygon.vertices[i - 1] - polygon.vertices[0],
-                                           polygon.vertices[i] - polygon.vertices[0]);
-            }
             for (const Rgba8 c : polygon.colors) color += to_vec4(c);
             color *= 1.0f / float(polygon.colors.size());
             const glm::vec4 premultiplied(glm::vec3(color) * color.a, color.a);
             for (int s = 0; s < 6; ++s) {
                 const float face = 4 * cell.half[(s / 2 + 1) % 3] * cell.half[(s / 2 + 2) % 3];
-                if (face > 0) d[std::size_t(s)] += premultiplied * (0.5f * std::abs(doubled_area[s / 2]) / face);
+                if (face > 0) d[std::size_t(s)] += premultiplied * (0.5f * std::abs(doubled[s / 2]) / face);
             }
         });
         return d;

@@ -1,4 +1,4 @@
-// In which order the parts of a scene are visited, and what an order promises.
+// Orders in which the parts of a scene are visited, and how strict they are.
 #pragma once
 
 #include <array>
@@ -6,7 +6,7 @@
 
 namespace farfield {
 
-/// In which order cells are visited.
+/// The order in which cells are visited.
 enum class VisitOrder : std::uint8_t { any, front_to_back, back_to_front };
 
 /// How strict an order is: it holds nowhere, between cells, or between primitives.

@@ -19,7 +19,7 @@ namespace farfield::detail {
 /// What lies on one side of a plane, in the coordinates of the body that is cut. What lies on the plane, up to its
 /// tolerance, is in front of it: every polygon goes to one side, or has a part on each.
 struct Clip {
-    PlaneInCell plane;
+    LocalPlane plane;
     Side side;  ///< that is kept
 };
 
@@ -35,7 +35,7 @@ class ClipStack {
     void shrink(std::size_t size) { clips_.erase(clips_.begin() + std::ptrdiff_t(size), clips_.end()); }
     std::span<const Clip> operator[](ClipList list) const { return {clips_.data() + list.first, list.count}; }
 
-    ClipList with(ClipList list, const PlaneInCell& plane, Side side) {
+    ClipList with(ClipList list, const LocalPlane& plane, Side side) {
         const ClipList longer{std::uint32_t(clips_.size()), list.count + 1};
         for (std::uint32_t i = list.first; i < list.first + list.count; ++i) clips_.push_back(Clip(clips_[i]));
         clips_.push_back({plane, side});

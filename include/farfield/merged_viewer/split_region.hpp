@@ -15,6 +15,7 @@
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/fragments.hpp"
+#include "farfield/geometry/polygon.hpp"
 #include "farfield/merged_viewer/body_frame.hpp"
 #include "farfield/merged_viewer/clip_stack.hpp"
 
@@ -35,11 +36,11 @@ struct SidesOfPlane {
 /// Parts on their sides of a plane of a body, which crosses none of that body's own; what crosses it goes to both,
 /// cut.
 inline void divide(std::span<const BodyPart> parts, std::span<const BodyFrame> bodies, std::uint32_t body,
-                   const PlaneInCell& plane, ClipStack& clips, SidesOfPlane& sides) {
+                   const LocalPlane& plane, ClipStack& clips, SidesOfPlane& sides) {
     sides.behind.clear();
     sides.in_front.clear();
     for (const BodyPart& part : parts) {
-        const PlaneInCell seen = bodies[part.body].seen(bodies[body], plane, part.cell);
+        const LocalPlane seen = bodies[part.body].seen(bodies[body], plane, part.cell);
         const PlaneRelation relation = side_of_box(seen, part.box);
         for (const Side side : {Side::behind, Side::in_front}) {
             std::vector<BodyPart>& there = side == Side::behind ? sides.behind : sides.in_front;
@@ -53,16 +54,13 @@ inline void divide(std::span<const BodyPart> parts, std::span<const BodyFrame> b
 }
 
 /// That of the largest of some polygons in one plane, positions [first, end).
-inline PlaneInCell plane_of_polygons(const Fragments& polygons, std::uint32_t first, std::uint32_t end,
+inline LocalPlane plane_of_polygons(const Fragments& polygons, std::uint32_t first, std::uint32_t end,
                                      const Cell& cell) {
     glm::dvec3 largest(0);
     std::span<const glm::vec3> its_vertices;
     for (std::uint32_t at = first; at < end; ++at) {
         const std::span<const glm::vec3> v = polygons[at].vertices;
-        glm::dvec3 area(0);
-        for (std::size_t i = 2; i < v.size(); ++i) {
-            area += glm::cross(glm::dvec3(v[i - 1]) - glm::dvec3(v[0]), glm::dvec3(v[i]) - glm::dvec3(v[0]));
-        }
+        const glm::dvec3 area = doubled_area<double>(v.size(), [&](std::size_t i) { return v[i]; });
         if (!its_vertices.empty() && !(glm::dot(area, area) > glm::dot(largest, largest))) continue;
         largest = area;
         its_vertices = v;
@@ -73,7 +71,7 @@ inline PlaneInCell plane_of_polygons(const Fragments& polygons, std::uint32_t fi
         offset += glm::dot(glm::dvec3(plane.normal), glm::dvec3(v) - glm::dvec3(cell.center));
     }
     plane.offset = float(offset / double(its_vertices.size()));
-    return PlaneInCell(plane, cell);
+    return LocalPlane(plane, cell);
 }
 
 /// A face of the box around parts[part].
@@ -94,7 +92,7 @@ inline std::optional<SeparatingFace> separating_face(std::span<const BodyPart> p
     for (std::size_t k = 0; k < boxes; ++k) {
         const std::size_t of = k * parts.size() / boxes;
         for (int face = 0; face < 6; ++face) {
-            const PlaneInCell plane = face_of_box(parts[of].box, face, parts[of].cell);
+            const LocalPlane plane = face_of_box(parts[of].box, face, parts[of].cell);
             int cut = 0, in_front = 0;
             for (std::size_t i = 0; i < parts.size(); ++i) {
                 if (i == of) continue;
