@@ -1,4 +1,4 @@
-// A body that moves, as one frame sees it, and how its planes look to the others.
+// A moving body as one frame sees it, and its planes in the coordinates of other bodies.
 #pragma once
 
 #include <glm/common.hpp>
@@ -15,8 +15,8 @@
 
 namespace farfield::detail {
 
-/// Bodies meet in the camera's coordinates, by the numbers that a renderer projects with: each body's eye and axes are
-/// rounded to single precision by themselves, and what counts is where a picture shows them.
+/// Bodies meet in the camera's coordinates, by the numbers that a renderer projects with: the eye and axes of each body
+/// are rounded to single precision separately, and planes must lie where the picture shows them.
 class BodyFrame {
   public:
     explicit BodyFrame(const LocalView& view)
@@ -42,7 +42,7 @@ class BodyFrame {
     glm::dmat3 to_camera_, from_camera_;
 };
 
-/// On which side of a plane a box lies; what lies on the plane counts as in front of it.
+/// The side of a plane that a box lies on; a box on the plane counts as in front of it.
 inline PlaneRelation side_of_box(const LocalPlane& plane, const Box& box) {
     const double middle = 0.5 * (plane.height(box.lower) + plane.height(box.upper));
     const double reach = 0.5 * glm::dot(glm::abs(plane.normal()), glm::dvec3(box.upper) - glm::dvec3(box.lower));
@@ -50,7 +50,7 @@ inline PlaneRelation side_of_box(const LocalPlane& plane, const Box& box) {
     return middle + reach <= plane.tolerance() ? PlaneRelation::behind : PlaneRelation::crossing;
 }
 
-/// A face of a box in a cell, which lies behind it. Faces 0 to 5: -x, +x, -y, +y, -z, +z.
+/// The plane of a face of a box in a cell; the box lies behind it. Faces 0 to 5: -x, +x, -y, +y, -z, +z.
 inline LocalPlane face_of_box(const Box& box, int face, const Cell& cell) {
     const int axis = face / 2;
     CuttingPlane plane;

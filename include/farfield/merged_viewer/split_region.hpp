@@ -1,4 +1,4 @@
-// Parts of several bodies in one part of space, and a plane that is best to tell some of them from the others.
+// Parts of several bodies in one region of space, and the plane that divides them best.
 #pragma once
 
 #include <algorithm>
@@ -21,20 +21,21 @@
 
 namespace farfield::detail {
 
-/// A subtree of a body, cut by planes.
+/// A subtree of a body and the planes that cut it.
 struct BodyPart : Subtree {
-    Box box = Box::empty();  ///< around what is left of it
+    Box box = Box::empty();  ///< around the part that is left of it
     std::uint32_t body = 0;
     ClipList clips{};
-    bool visibility_tested = false;  ///< whether it may be seen, since it was cut or something drawn in front of it
+    bool visibility_tested =
+        false;  ///< whether it was found visible since it was last cut or something drawn before it
 };
 
 struct SidesOfPlane {
     std::vector<BodyPart> behind, in_front;
 };
 
-/// Parts on their sides of a plane of a body, which crosses none of that body's own; what crosses it goes to both,
-/// cut.
+/// Puts parts on their sides of a plane of `body`, which crosses none of that body's own parts. Parts that it crosses
+/// go to both sides, cut.
 inline void divide(std::span<const BodyPart> parts, std::span<const BodyFrame> bodies, std::uint32_t body,
                    const LocalPlane& plane, ClipStack& clips, SidesOfPlane& sides) {
     sides.behind.clear();
@@ -53,9 +54,9 @@ inline void divide(std::span<const BodyPart> parts, std::span<const BodyFrame> b
     }
 }
 
-/// That of the largest of some polygons in one plane, positions [first, end).
+/// The plane of the largest of some polygons that lie in one plane, positions [first, end).
 inline LocalPlane plane_of_polygons(const Fragments& polygons, std::uint32_t first, std::uint32_t end,
-                                     const Cell& cell) {
+                                    const Cell& cell) {
     glm::dvec3 largest(0);
     std::span<const glm::vec3> its_vertices;
     for (std::uint32_t at = first; at < end; ++at) {
@@ -74,14 +75,14 @@ inline LocalPlane plane_of_polygons(const Fragments& polygons, std::uint32_t fir
     return LocalPlane(plane, cell);
 }
 
-/// A face of the box around parts[part].
+/// A face of the box around one of the parts.
 struct SeparatingFace {
     std::size_t part = 0;
     int face = 0;
 };
 
-/// The face that divides parts most evenly, and cuts none of them, or, where there are many, few. It costs less than
-/// any plane within a body: bodies whose boxes do not meet are never cut.
+/// The face that divides the parts most evenly and cuts none of them, or few where there are many. Such faces are tried
+/// before any plane within a body, so that bodies whose boxes do not meet are never cut.
 inline std::optional<SeparatingFace> separating_face(std::span<const BodyPart> parts,
                                                      std::span<const BodyFrame> bodies) {
     constexpr std::size_t most_boxes = 8;

@@ -157,7 +157,7 @@ void save(const H& hierarchy, const std::filesystem::path& path) {
     file.replace_target();
 }
 
-/// How many bytes save() writes.
+/// The number of bytes that save() writes.
 template <Storable H>
 std::size_t saved_size(const H& hierarchy) {
     return detail::FileContents<H>(hierarchy, "memory").size();

@@ -1,4 +1,4 @@
-// From sums over a cell's surfaces to the shape that is stored: an ellipsoid of areas, and the law by which they cover.
+// Fits the shape that is stored to sums over a cell's surfaces: an ellipsoid of areas, and the law by which they cover.
 #pragma once
 
 #include <algorithm>
