@@ -182,7 +182,7 @@ class MergedViewer {
         return (plane.height(walker_.frame(body).view().viewpoint()) > 0) !=
                (R::facts.order == VisitOrder::back_to_front);
     }
-    static void ask_again(std::span<Part> parts) {
+    static void test_visibility_again(std::span<Part> parts) {
         for (Part& part : parts) part.visibility_tested = false;
     }
 
@@ -195,7 +195,7 @@ class MergedViewer {
         sides.behind.push_back(part);
         const bool front_first = front_is_first(part.body, plane);
         std::vector<Part>& last = front_first ? sides.behind : sides.in_front;
-        ask_again(last);
+        test_visibility_again(last);
         push(last, nullptr);
         push(front_first ? sides.in_front : sides.behind, nullptr);
     }
@@ -219,7 +219,7 @@ class MergedViewer {
         detail::divide(region_parts_, walker_.frames(), own_.body, plane, walker_.clips, sides_[0]);
         const bool front_first = front_is_first(own_.body, plane);
         std::vector<Part>& last = front_first ? sides_[0].behind : sides_[0].in_front;
-        ask_again(last);
+        test_visibility_again(last);
         push(last, nullptr);
         push({}, &own_);
         push(front_first ? sides_[0].in_front : sides_[0].behind, nullptr);
@@ -236,7 +236,7 @@ class MergedViewer {
         detail::divide(others, walker_.frames(), own_.body, local_plane, walker_.clips, their);
         const bool front_first = front_is_first(own_.body, local_plane);
         std::vector<Part>& last = front_first ? their.behind : their.in_front;
-        ask_again(last);
+        test_visibility_again(last);
         sides[plane] = front_first ? Side::behind : Side::in_front;
         divide(h, cuts, plane + 1, sides, last);
         sides[plane] = Side::on;

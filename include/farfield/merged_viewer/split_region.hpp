@@ -26,8 +26,7 @@ struct BodyPart : Subtree {
     Box box = Box::empty();  ///< around the part that is left of it
     std::uint32_t body = 0;
     ClipList clips{};
-    bool visibility_tested =
-        false;  ///< whether it was found visible since it was last cut or something drawn before it
+    bool visibility_tested = false;  ///< since it was last cut or something was drawn before it
 };
 
 struct SidesOfPlane {
