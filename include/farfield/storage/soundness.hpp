@@ -57,7 +57,7 @@ inline bool is_finite(glm::vec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// A position holds no vertices, where it is an instance's, or those of a polygon.
+/// A position holds the vertices of a polygon, or none where it is an instance's.
 inline const char* unsound_fragments(const Fragments& fragments, std::uint32_t item_count) {
     if (fragments.empty()) {
         if (item_count != 0) return "its fragments are missing";
