@@ -59,7 +59,7 @@ struct Changed : OpacityTensor {
         TensorShape shape = fit.shape(counts_overlap);
         change(*this, shape);
         shape.error = OpacityTensor::finish(cell, d).error() - 0.5f / 255;  // is rounded up again
-        return StoredTensor(shape);
+        return StoredTensor::packed(shape);
     }
 };
 

@@ -1,16 +1,16 @@
 // Bodies that move through one another, each a hierarchy of its own, merged in one strict front-to-back walk: "if this
 // cube does intersect other leaf cubes, we clip their polygons to the frontmost cube" (Greene 1996, section 6.2).
 //
-// Space is divided by planes, and what lies on the viewer's side of a plane comes first. A region that one body alone
-// reaches into is in order, for its hierarchy is. Any other is divided on:
+// Space is divided by planes, and the parts on the viewer's side of a plane come first. A region that one body alone
+// reaches into is in order because its hierarchy is. Any other region is divided further:
 //
-//     a face of a body's box has others beyond it and none (of many, few) across it -> there
-//     otherwise                                                                     -> where the largest part goes on
+//     by a face of some body's box that has others beyond it and none (few, of many) across it
+//     or, where there is none, by the planes that cut the largest part next
 //
-// so that leaves come to lie between leaves, and a polygon between what is before and behind it. It is the merging of
-// BSP trees (Naylor, Amanatides and Thibault 1990) in place of the paper's octrees, and lazy: planes go down with a
-// subtree, and only leaves that they cross are cut, into polygons that live until they are drawn. Subtrees that meet
-// nothing are drawn as a Viewer draws them.
+// so that leaves come to lie between leaves, and a polygon between the polygons before and behind it. It is the merging
+// of BSP trees (Naylor, Amanatides and Thibault 1990) in place of the paper's octrees, and it is lazy: planes go down
+// with a subtree, and only leaves that they cross are cut, into polygons that live until they are drawn. Subtrees that
+// meet nothing are drawn as a Viewer draws them.
 #pragma once
 
 #include <algorithm>
@@ -46,22 +46,23 @@ template <class H, class P, class R>
 concept MergeableWith = BuildableFrom<H, P> && DrawableWith<H, P, R> && CutForStrictOrder<H> && HasNoInstances<P> &&
     DrawsPolygonsOfFrames<R>;
 
-/// Borrows hierarchies, primitives and renderer, which outlive it; the user's own partitions that cut by several planes
-/// at once put what lies on one of them to a side of it, or to a child of its own. Bodies may share a hierarchy.
-/// Polygons of all bodies come in strict order, front to back or as the renderer's facts say; those in one plane, and
-/// nearer to each other than single precision tells, in any. What bodies have in common costs a frame time as building
-/// a BSP of it does; what meets nothing costs what it costs a Viewer. A moving body of many polygons wants leaves as
-/// small as those of Nested<Octree, PolygonBsp>{.largest_leaf = 32}: in one BSP of a convex body nearly every plane
-/// leaves all the rest on one side. Frames do not allocate once buffers have grown to what the scene needs. Not to be
-/// used by two threads at once.
+/// Draws bodies together in strict order, front to back or as the renderer's facts say. Polygons in one plane, or
+/// nearer to each other than single precision tells, come in any order. Borrows hierarchies, primitives and renderer,
+/// which outlive it; bodies may share a hierarchy. A user's own partition that cuts by several planes at once must put
+/// polygons on a plane to a side of it, or to a child of their own.
+///
+/// Where bodies overlap, a frame takes as long as building a BSP of that part does; elsewhere it takes as long as a
+/// Viewer's. A moving body of many polygons needs leaves as small as those of Nested<Octree, PolygonBsp>{.largest_leaf
+/// = 32}: in one BSP of a convex body nearly every plane leaves all the rest on one side. Frames do not allocate once
+/// buffers have grown to the scene's needs. Two threads must not use one at once.
 template <class H, class P, class R>
 requires MergeableWith<H, P, R>
 class MergedViewer {
   public:
     using Body = Instance<H, P>;
 
-    /// Throws std::invalid_argument naming the first body without a hierarchy, whose primitives are not those that its
-    /// hierarchy was built from, or whose hierarchy does not keep strict order.
+    /// Throws std::invalid_argument naming the first body that has no hierarchy, whose primitives are not those that
+    /// its hierarchy was built from, or whose hierarchy does not keep strict order.
     MergedViewer(std::span<const Body> bodies, R& renderer)
         : bodies_(bodies.begin(), bodies.end()), renderer_(renderer), sources_(renderer), walker_(renderer, stats_) {
         for (std::size_t b = 0; b < bodies_.size(); ++b) add(b);
@@ -75,7 +76,7 @@ class MergedViewer {
 
     std::span<const Body> bodies() const { return bodies_; }
 
-    /// Where a body is from the next frame on. Throws std::invalid_argument if there is no such body.
+    /// Places a body from the next frame on. Throws std::invalid_argument if there is no such body.
     void place(std::size_t body, const Similarity& to_world) {
         if (body >= bodies_.size()) {
             throw std::invalid_argument("farfield::MergedViewer: there is no body " + std::to_string(body) + " of " +
@@ -138,24 +139,26 @@ class MergedViewer {
 
     // --- regions of more than one body
 
-    /// The last one waiting is next; its parts are the last ones of `parts_`.
+    /// A part of space that waits to be drawn. The last one waiting is next; its parts are the last ones of
+    /// `waiting_parts_`.
     struct Region {
-        std::size_t first_part, clips;  ///< of the stack of planes so many are its own, or those of what comes later
+        std::size_t first_part;
+        std::size_t clips;  ///< size of the stack of planes that it and the regions after it need
     };
 
     void push(std::span<const Part> parts, const Part* own) {
         if (parts.empty() && own == nullptr) return;
-        regions_.push_back({parts_.size(), walker_.clips.size()});
-        parts_.insert(parts_.end(), parts.begin(), parts.end());
-        if (own != nullptr) parts_.push_back(*own);
+        regions_.push_back({waiting_parts_.size(), walker_.clips.size()});
+        waiting_parts_.insert(waiting_parts_.end(), parts.begin(), parts.end());
+        if (own != nullptr) waiting_parts_.push_back(*own);
     }
 
     void draw_region() {
         const Region region = regions_.back();
         regions_.pop_back();
         walker_.clips.shrink(region.clips);
-        region_parts_.assign(parts_.begin() + std::ptrdiff_t(region.first_part), parts_.end());
-        parts_.resize(region.first_part);
+        region_parts_.assign(waiting_parts_.begin() + std::ptrdiff_t(region.first_part), waiting_parts_.end());
+        waiting_parts_.resize(region.first_part);
         if (region_parts_.size() > 1) {
             std::size_t left = 0;
             for (std::size_t i = 0; i < region_parts_.size(); ++i) {
@@ -175,24 +178,24 @@ class MergedViewer {
     }
 
     /// Whether the side that a plane's normal points to is drawn first.
-    bool front_is_first(std::uint32_t body, const PlaneInCell& plane) const {
+    bool front_is_first(std::uint32_t body, const LocalPlane& plane) const {
         return (plane.height(walker_.frame(body).view().viewpoint()) > 0) !=
                (R::facts.order == VisitOrder::back_to_front);
     }
-    static void ask_again(std::span<Part> parts) {
+    static void test_visibility_again(std::span<Part> parts) {
         for (Part& part : parts) part.visibility_tested = false;
     }
 
     void divide_at_face(const detail::SeparatingFace& face) {
         const Part part = region_parts_[face.part];
-        const PlaneInCell plane = detail::face_of_box(part.box, face.face, part.cell);
+        const LocalPlane plane = detail::face_of_box(part.box, face.face, part.cell);
         region_parts_.erase(region_parts_.begin() + std::ptrdiff_t(face.part));
         detail::SidesOfPlane& sides = sides_[0];
         detail::divide(region_parts_, walker_.frames(), part.body, plane, walker_.clips, sides);
         sides.behind.push_back(part);
         const bool front_first = front_is_first(part.body, plane);
         std::vector<Part>& last = front_first ? sides.behind : sides.in_front;
-        ask_again(last);
+        test_visibility_again(last);
         push(last, nullptr);
         push(front_first ? sides.in_front : sides.behind, nullptr);
     }
@@ -210,30 +213,30 @@ class MergedViewer {
             divide(h, h.partition_policy().cuts(own_.cell, h.data_of(own_.node)), 0, Sides{}, region_parts_);
             return;
         }
-        // Any plane that its polygons lie in tells them from what is before and behind them.
-        const PlaneInCell plane =
+        // The plane of its polygons divides the other parts into those before and behind them.
+        const LocalPlane plane =
             detail::plane_of_polygons(h.fragments(), h.nodes()[own_.node].first_item, own_.end_item, own_.cell);
         detail::divide(region_parts_, walker_.frames(), own_.body, plane, walker_.clips, sides_[0]);
         const bool front_first = front_is_first(own_.body, plane);
         std::vector<Part>& last = front_first ? sides_[0].behind : sides_[0].in_front;
-        ask_again(last);
+        test_visibility_again(last);
         push(last, nullptr);
         push({}, &own_);
         push(front_first ? sides_[0].in_front : sides_[0].behind, nullptr);
     }
 
-    /// Past cuts [plane, count): the last ones to be drawn first, for regions are a stack.
+    /// Divides others by cuts [plane, count). Regions are a stack, so the last to be drawn is pushed first.
     void divide(const H& h, const Cuts& cuts, unsigned plane, Sides sides, std::span<const Part> others) {
         if (plane == sides.size() || plane >= cuts.count) {
             push_child(h, cuts, sides, others);
             return;
         }
-        const PlaneInCell in_cell(cuts.planes[plane], own_.cell);
+        const LocalPlane local_plane(cuts.planes[plane], own_.cell);
         detail::SidesOfPlane& their = sides_[plane];
-        detail::divide(others, walker_.frames(), own_.body, in_cell, walker_.clips, their);
-        const bool front_first = front_is_first(own_.body, in_cell);
+        detail::divide(others, walker_.frames(), own_.body, local_plane, walker_.clips, their);
+        const bool front_first = front_is_first(own_.body, local_plane);
         std::vector<Part>& last = front_first ? their.behind : their.in_front;
-        ask_again(last);
+        test_visibility_again(last);
         sides[plane] = front_first ? Side::behind : Side::in_front;
         divide(h, cuts, plane + 1, sides, last);
         sides[plane] = Side::on;
@@ -247,7 +250,7 @@ class MergedViewer {
         const unsigned child = h.partition_policy().child_at(data, sides);
         const auto used = sides.begin() + cuts.count;
         if (std::find(sides.begin(), used, Side::on) != used) {
-            // Partitions may put what lies on a plane to one of its sides.
+            // Partitions may put polygons on a plane to one of its sides.
             for (const Side instead : {Side::behind, Side::in_front}) {
                 Sides other = sides;
                 std::replace(other.begin(), other.end(), Side::on, instead);
@@ -265,9 +268,9 @@ class MergedViewer {
     detail::SourceTable<R> sources_;
     detail::BodyWalker<H, P, R> walker_;
     std::vector<Region> regions_;
-    std::vector<Part> parts_;
-    std::vector<Part> region_parts_;  ///< of the region at work
-    Part own_;                        ///< the one that divides it
+    std::vector<Part> waiting_parts_;  ///< of all regions that wait, one after the other
+    std::vector<Part> region_parts_;   ///< of the region at work
+    Part own_;                         ///< the one that divides it
     std::array<detail::SidesOfPlane, 3> sides_;
 };
 

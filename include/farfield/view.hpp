@@ -1,4 +1,4 @@
-// Who looks, from where, and how exactly: what a user says once a frame.
+// The viewer, the picture's size and its tolerance: everything that a user says once a frame.
 #pragma once
 
 #include <cmath>
@@ -34,7 +34,7 @@ struct Camera {
         }
         return looking(eye, target, up, Projection::perspective, std::tan(vertical_fov_radians / 2), near_depth);
     }
-    /// `height` is what the image's height shows, in world units.
+    /// The image shows `height` world units from top to bottom.
     static Camera orthographic(glm::dvec3 eye, glm::dvec3 target, glm::vec3 up, float height, float near_depth = 0) {
         if (!(height > 0 && std::isfinite(height)))
             throw std::invalid_argument("farfield::Camera: the height seen must be above 0");
@@ -58,11 +58,11 @@ struct Camera {
     }
 };
 
-/// What the distance of a cell means in its error. `nearest_point` of its box is safe in every direction of view;
+/// The distance of a cell that its error depends on. `nearest_point` of its box is safe in every direction of view;
 /// `depth` along the viewing direction is that of Chamberlain 1995, section 3.1, whose levels change at planes.
 enum class DistanceMeasure : std::uint8_t { nearest_point, depth };
 
-/// One frame's wishes. Pixels are square.
+/// The settings of one frame. Pixels are square.
 struct View {
     Camera camera;
     int width = 512;  ///< image size in pixels
@@ -72,7 +72,7 @@ struct View {
     DistanceMeasure distance = DistanceMeasure::nearest_point;
 };
 
-/// What a frame did. Counts, never times: who wants times holds the watch.
+/// The work that a frame did, in counts. Times are for the caller to take.
 struct FrameStats {
     static constexpr int max_levels = 64;
 

@@ -17,7 +17,7 @@ std::vector<Corner> corners_of(const std::vector<glm::vec3>& positions, Rgba8 co
     for (const glm::vec3& p : positions) out.push_back({p, color});
     return out;
 }
-std::vector<Corner> part(const std::vector<Corner>& polygon, const PlaneInCell& plane, Side side) {
+std::vector<Corner> part(const std::vector<Corner>& polygon, const LocalPlane& plane, Side side) {
     std::vector<Corner> out;
     const bool is_any = append_part(polygon, plane, side, glm::vec3(glm::normalize(doubled_area(polygon))), out);
     CHECK(is_any == !out.empty());
@@ -31,7 +31,7 @@ double area(const std::vector<Corner>& polygon) {
 
 TEST_CASE("heights are measured from the cell's center") {
     const Cell cell{{100, 200, 300}, glm::vec3(4), {100, 200, 300}, glm::vec3(4), 0, 0};
-    const PlaneInCell plane({{0, 1, 0}, 2}, cell);
+    const LocalPlane plane({{0, 1, 0}, 2}, cell);
     CHECK(plane.height(glm::vec3(7, 205, 9)) == 3);
     CHECK(plane.height(glm::vec4(7, 205, 9, 1)) == 3);
     CHECK(plane.height(glm::vec4(0, -1, 5, 0)) == -1);  // a direction
@@ -45,7 +45,7 @@ TEST_CASE("a square is halved, corners in its order, colors in between") {
     std::vector<Corner> square = corners_of({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}});
     square[0].color = square[3].color = {0, 100, 200, 255};
     square[1].color = square[2].color = {101, 0, 200, 255};
-    const PlaneInCell plane({{1, 0, 0}, 0}, unit_cell);
+    const LocalPlane plane({{1, 0, 0}, 0}, unit_cell);
     const auto behind = part(square, plane, Side::behind), in_front = part(square, plane, Side::in_front);
     REQUIRE(behind.size() == 4);
     REQUIRE(in_front.size() == 4);
@@ -61,7 +61,7 @@ TEST_CASE("a square is halved, corners in its order, colors in between") {
 
 TEST_CASE("corners on the plane belong to both sides, and a side with nothing but them is empty") {
     const auto triangle = corners_of({{0, -1, 0}, {1, 0, 0}, {0, 1, 0}});
-    const PlaneInCell through_edge({{1, 0, 0}, 0}, unit_cell), through_corner({{0, 1, 0}, 0}, unit_cell);
+    const LocalPlane through_edge({{1, 0, 0}, 0}, unit_cell), through_corner({{0, 1, 0}, 0}, unit_cell);
     CHECK(part(triangle, through_edge, Side::behind).empty());
     CHECK(part(triangle, through_edge, Side::in_front).size() == 3);
     CHECK(part(triangle, through_corner, Side::behind).size() == 3);
@@ -74,7 +74,7 @@ TEST_CASE("parts of any polygon add up to it") {
         const glm::vec3 a = random.in_cube(1), b = random.in_cube(1), c = random.in_cube(1),
                         normal = random.direction();
         const float offset = random.between(-1, 1);
-        const PlaneInCell plane({normal, offset}, unit_cell);
+        const LocalPlane plane({normal, offset}, unit_cell);
         const auto whole = corners_of({a, b, c});
         const auto behind = part(whole, plane, Side::behind), in_front = part(whole, plane, Side::in_front);
         CHECK(behind.size() + in_front.size() >= 3);

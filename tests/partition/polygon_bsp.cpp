@@ -183,7 +183,7 @@ TEST_CASE("neighbors that share an edge are cut in the same points of it") {
         const glm::vec3 normal = random.direction();
         const float offset = random.between(-0.5f, 0.5f);
         const Cell cell{random.in_cube(1), glm::vec3(2), glm::vec3(0), glm::vec3(2), 0, 0};
-        const PlaneInCell plane(CuttingPlane{normal, offset}, cell);
+        const LocalPlane plane(CuttingPlane{normal, offset}, cell);
         const auto cut_points = [&](const std::vector<Corner>& polygon) {
             std::vector<Corner> part;
             const glm::vec3 its_normal(glm::normalize(doubled_area(polygon)));

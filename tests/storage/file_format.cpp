@@ -36,6 +36,7 @@ struct NotTaggedCost {
 
 TEST_CASE("what can be stored is stated by concepts") {
     STATIC_REQUIRE(Storable<OctreeOfCubes>);
+    STATIC_REQUIRE(Storable<OctreeOfTensors>);
     STATIC_REQUIRE(Storable<ExactSharedOctree>);
     STATIC_REQUIRE(Storable<HalvesOfPooledCubes>);
     STATIC_REQUIRE_FALSE(StorableApproximation<NotTagged>);

@@ -18,6 +18,7 @@
 
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/nested.hpp"
@@ -230,6 +231,7 @@ struct PooledCube {
 };
 
 using OctreeOfCubes = farfield::SpatialHierarchy<farfield::Octree, farfield::ColorCube, farfield::TriangleCount>;
+using OctreeOfTensors = farfield::SpatialHierarchy<farfield::Octree, farfield::OpacityTensor, farfield::TriangleCount>;
 using SharedOctreeOfCubes =
     farfield::SpatialHierarchy<farfield::SharedOctree, farfield::ColorCube, farfield::TriangleCount>;
 using ExactOctree = farfield::SpatialHierarchy<farfield::Octree, farfield::Exact, farfield::TriangleCount>;

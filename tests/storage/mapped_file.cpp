@@ -25,6 +25,6 @@ TEST_CASE("what is no file is refused") {
     CHECK(refusal(directory / "", [](auto& p) { file_bytes(p); }) == "is a directory");
 #if FARFIELD_MAPS_FILES
     REQUIRE(::mkfifo((directory / "pipe").c_str(), 0600) == 0);
-    CHECK(refusal(directory / "pipe", [](auto& p) { file_bytes(p); }) == "is no regular file");
+    CHECK(refusal(directory / "pipe", [](auto& p) { file_bytes(p); }) == "is not a regular file");
 #endif
 }

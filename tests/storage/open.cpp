@@ -56,8 +56,8 @@ std::string refused(const TemporaryDirectory& directory, const Bytes& bytes, con
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("what was saved is opened", "", OctreeOfCubes, SharedOctreeOfCubes, ExactOctree, ExactSharedOctree,
-                   HalvesOfPooledCubes, ExactBsp, BspOfPooledCubes, OctreeOfBspsOfCubes) {
+TEMPLATE_TEST_CASE("what was saved is opened", "", OctreeOfCubes, OctreeOfTensors, SharedOctreeOfCubes, ExactOctree,
+                   ExactSharedOctree, HalvesOfPooledCubes, ExactBsp, BspOfPooledCubes, OctreeOfBspsOfCubes) {
     const TemporaryDirectory directory;
     for (const std::size_t count : {0u, 1u, 2u, 30u, 3000u}) {
         INFO(count << " triangles");
@@ -151,12 +151,12 @@ TEST_CASE("what is no hierarchy's file says why") {
     CHECK(refused<OctreeOfCubes>(directory / "") == "is a directory");
     CHECK(refused<OctreeOfCubes>(directory, Bytes()) == "is empty");
     const std::string text = "ply\nformat ascii 1.0\n" + std::string(1000, ' ');
-    CHECK(refused<OctreeOfCubes>(directory, Bytes(text.begin(), text.end())) == "is no hierarchy of farfield's");
+    CHECK(refused<OctreeOfCubes>(directory, Bytes(text.begin(), text.end())) == "is not a farfield hierarchy");
 
     save(OctreeOfCubes(), directory / "h");
     Bytes bytes = read_file(directory / "h");
     bytes[4] = '\n';  // line ends were changed on the way
-    CHECK(refused<OctreeOfCubes>(directory, bytes) == "is no hierarchy of farfield's");
+    CHECK(refused<OctreeOfCubes>(directory, bytes) == "is not a farfield hierarchy");
 }
 
 TEST_CASE("files of other policies, versions and machines say so") {

@@ -1,5 +1,6 @@
 #include "farfield/storage/soundness.hpp"
 
+#include <cstddef>
 #include <limits>
 
 #include "catch.hpp"
@@ -63,9 +64,9 @@ TEST_CASE("nodes that lead somewhere else are found") {
     CHECK(changed([](auto& n) { n[2].first_child = 0xffffffffu; }) == "nodes are out of order");
     CHECK(changed([](auto& n) { n[1] = {1, 2, 0, 0b11, 0, 0, 0}; }) == "nodes are out of order");
     CHECK(changed([](auto& n) { n[2].child_mask = 0b1111; }) == "a node's child does not exist");
-    CHECK(changed([](auto& n) { n[2].child_mask = 0b101; }) == "it has nodes that belong to no other");
+    CHECK(changed([](auto& n) { n[2].child_mask = 0b101; }) == "it has nodes without a parent");
     CHECK(changed([](auto& n) { n.pop_back(); }) == "a node's child does not exist");
-    CHECK(changed([](auto& n) { n.emplace_back(); }) == "it has nodes that belong to no other");
+    CHECK(changed([](auto& n) { n.emplace_back(); }) == "it has nodes without a parent");
     CHECK(changed([](auto& n) { n[1].first_item = 6; }) == "a node's items are out of order");
     CHECK(changed([](auto& n) { n[5].first_item = 10; }) == "a node's items are out of order");
     CHECK(changed([](auto& n) { n[4].first_item = 4; }) == "a node's items are out of order");
@@ -119,7 +120,7 @@ TEST_CASE("files whose checksums agree are not believed") {
     CHECK(why([&](Damage& d) { d.header.facts.root.center.x = infinity - infinity; }) ==
           "is damaged: the root's cell is not finite");
     CHECK(why([](Damage& d) { d.header.facts.root.bounds_half.z = -1; }) ==
-          "is damaged: the root's cell is less than empty");
+          "is damaged: the root's cell has a negative size");
     CHECK(why([](Damage& d) { d.header.facts.root.depth = 1; }) == "is damaged: the root's depth is not 0");
     CHECK(why([&](Damage& d) { d.header.facts.bounds.upper.x = infinity; }) == "is damaged: its bounds are not finite");
     CHECK(why([](Damage& d) { d.header.header_bytes = 256; }) == "is damaged: its header has another size");
@@ -137,8 +138,31 @@ TEST_CASE("files whose checksums agree are not believed") {
     }
 }
 
-TEMPLATE_TEST_CASE("whatever byte is changed, frames stay within the arrays", "", OctreeOfCubes, ExactSharedOctree,
-                   HalvesOfPooledCubes, BspOfPooledCubes) {
+TEST_CASE("a stand-in whose approximation has no pool is refused too") {
+    const TemporaryDirectory directory;
+    const auto h = built<OctreeOfTensors>(scene(500));
+    REQUIRE(h.stand_ins().size() > 1);
+    save(h, directory / "h");
+    Damage damage{read_file(directory / "h")};
+    const std::size_t law = sizeof(StoredTensor) + offsetof(StoredTensor, second) + 6;  // the second one's: bits 54, 55
+    damage.at(Section::stand_ins, law) = char(damage.at(Section::stand_ins, law) | 0xc0);
+    write_file(directory / "changed", sealed(damage.bytes, damage.header));
+    const std::string refused = "the approximation refuses a stand-in";
+    CHECK(refusal(directory / "changed", [](auto& p) { open<OctreeOfTensors>(p); }) == "is damaged: " + refused);
+
+    HierarchyData<Octree, OpacityTensor> data{.facts = h.facts()};
+    const auto& arrays = h.arrays();
+    data.nodes.assign(arrays.nodes.begin(), arrays.nodes.end());
+    data.order.assign(arrays.order.begin(), arrays.order.end());
+    data.stand_ins.assign(arrays.stand_ins.begin(), arrays.stand_ins.end());
+    CHECK_NOTHROW(saved_size(OctreeOfTensors({}, {}, {}, data)));
+    data.stand_ins[1].second |= std::uint64_t(3) << 54;
+    CHECK_THROWS_WITH(saved_size(OctreeOfTensors({}, {}, {}, data)),
+                      "farfield::save: memory: the hierarchy cannot be stored: " + refused);
+}
+
+TEMPLATE_TEST_CASE("whatever byte is changed, frames stay within the arrays", "", OctreeOfCubes, OctreeOfTensors,
+                   ExactSharedOctree, HalvesOfPooledCubes, BspOfPooledCubes) {
     const TemporaryDirectory directory;
     const auto triangles = scene(60);
     save(built<TestType>(triangles), directory / "h");
@@ -192,14 +216,14 @@ TEST_CASE("fragments that are none are found") {
     CHECK(why([](auto&, auto&, auto&) {}).empty());
     CHECK(unsound_fragments({}, 0) == nullptr);
     CHECK(why([](auto& f, auto&, auto&) { f.clear(); }) == "its fragments are missing");
-    CHECK(why([](auto& f, auto&, auto&) { f.pop_back(); }) == "it has not as many fragments as items");
+    CHECK(why([](auto& f, auto&, auto&) { f.pop_back(); }) == "it does not have as many fragments as items");
     CHECK(why([](auto& f, auto&, auto&) { f[0] = 1; }).rfind("its fragments do not have", 0) == 0);
     CHECK(why([](auto& f, auto&, auto&) { f[3] = 8; }).rfind("its fragments do not have", 0) == 0);
     CHECK(why([](auto&, auto& v, auto&) { v.pop_back(); }).rfind("its fragments do not have", 0) == 0);
     CHECK(why([](auto&, auto&, auto& c) { c.pop_back(); }).rfind("its fragments do not have", 0) == 0);
     CHECK(why([](auto& f, auto&, auto&) { f[1] = 4; }) == "its fragments are out of order");
     CHECK(why([](auto& f, auto&, auto&) { f[1] = 0xffffffffu; }) == "its fragments are out of order");
-    CHECK(why([](auto& f, auto&, auto&) { f[1] = 2; }) == "a fragment has less than three vertices");
+    CHECK(why([](auto& f, auto&, auto&) { f[1] = 2; }) == "a fragment has fewer than three vertices");
     CHECK(why([](auto&, auto& v, auto&) { v[2].y = std::numeric_limits<float>::quiet_NaN(); }) ==
           "a fragment's vertex is not finite");
 }

@@ -1,9 +1,7 @@
-// Faces of a cell's box: which are seen, how large they look, and what they are as polygons.
+// Faces of a cell's box: the visible ones, how large they look, and the splat that stands for them from afar.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,16 +14,18 @@
 #include "farfield/drawables.hpp"
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/halvings.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield {
-/// Faces of a cell as a renderer gets them: which look at the viewer, how large they are to it.
+/// The faces of a cell that look at the viewer, and how large they are to it.
 struct VisibleFaces {
     std::array<std::uint8_t, 3> side{};  ///< 0..5: -x, +x, -y, +y, -z, +z
-    std::array<float, 3> projected{};    ///< area seen squarely from the viewer, squared units
+    std::array<float, 3> projected{};    ///< area seen squarely from the viewer, in squared units
     int count = 0;
 
-    /// At most three, none from inside. Projected as if the viewer were far, which cells about a pixel wide allow.
+    /// Finds at most three, none from inside. They are projected as if the viewer were far, which cells about a pixel
+    /// wide allow.
     VisibleFaces(const Cell& cell, const LocalView& view) {
         const glm::vec3 d = view.towards_viewer(cell.center);
         const float inverse_length = 1.0f / std::sqrt(glm::dot(d, d));
@@ -40,7 +40,7 @@ struct VisibleFaces {
     }
 };
 
-/// One face of a cell's box.
+/// The face of a cell's box on one side.
 inline Face face_of(const Cell& cell, unsigned side, Rgba8 premultiplied) {
     Face face{cell.center - cell.half, cell.center + cell.half, premultiplied, std::uint8_t(side)};
     const int axis = int(side / 2);
@@ -50,7 +50,7 @@ inline Face face_of(const Cell& cell, unsigned side, Rgba8 premultiplied) {
 
 /// A lower bound, in pixels, of the projected side of cells `levels` below this one, each half as large as its parent.
 inline float least_projected_side(const Cell& cell, unsigned levels, const LocalView& view) {
-    const float side = cell.largest_side() * std::bit_cast<float>((127u - std::min(levels, 126u)) << 23);
+    const float side = cell.largest_side() * two_to_the_minus(levels);
     const glm::vec3 d = cell.center - view.eye;
     const float farthest = view.distance == DistanceMeasure::depth
                                ? glm::dot(d, view.forward) + glm::dot(glm::abs(view.forward), cell.half)
@@ -63,8 +63,8 @@ inline bool is_small(glm::vec3 center, float side, const LocalView& view, float 
     return splat_limit_px > 0 && view.pixels(side, view.is_perspective ? view.depth(center) : 1.0f) <= splat_limit_px;
 }
 
-/// Faces seen from far enough are one deposit: `footprint` is their area squarely seen, `sum` their premultiplied
-/// colors (0 to 255) weighted by it, with an alpha above 0. How much of the footprint is covered decides the law.
+/// One deposit for faces seen from far enough: `footprint` is their area seen squarely, `sum` their premultiplied
+/// colors (0 to 255) weighted by it, with an alpha above 0. The covered part of the footprint decides the law.
 inline Splat splat_of(glm::vec3 center, float footprint, glm::vec4 sum, const LocalView& view) {
     const float alpha = sum.a / (255 * footprint);
     const AreaLaw law = law_of_opacity(alpha);

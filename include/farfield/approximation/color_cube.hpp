@@ -1,4 +1,4 @@
-// A cube with a color and an opacity on each of its six faces (Chamberlain et al. 1996; 1995 as an option).
+// A cube with a color and an opacity on each of its six faces (Chamberlain et al. 1996; their 1995 form is an option).
 #pragma once
 
 #include <algorithm>
@@ -19,30 +19,32 @@
 
 namespace farfield {
 
-/// One cube a cell. 24 bytes.
+/// Each cell is one cube of 24 bytes.
 struct ColorCube {
-    /// Where inner cells get their colors: from their children (front four over back four, then the average), or drawn
-    /// like leaves, "at the expense of some extra preprocessing time" (1996, section 4).
+    /// The source of inner cells' colors: their children (front four over back four, then the average), or primitives,
+    /// as for leaves, "at the expense of some extra preprocessing time" (1996, section 4).
     enum class Inner : std::uint8_t { composited, direct };
-    /// `blended`: alpha is the part of the face that is covered (1996). `thresholded`: faces are opaque where more than
-    /// coverage_threshold is covered and not drawn elsewhere; coverages of front and back add up (1995, section 4.1).
+    /// `blended`: alpha is the part of the face that is covered (1996). `thresholded`: faces of which more than
+    /// coverage_threshold is covered are opaque and others are not drawn; coverages of front and back add up (1995,
+    /// section 4.1).
     enum class Opacity : std::uint8_t { blended, thresholded };
 
-    /// Orthographic samples along a side of the cell, 1 to 8; 0: analytically, from projected areas, which cannot tell
-    /// overlap from extent and so errs towards covering too much.
+    /// Orthographic samples along a side of the cell, 1 to 8. 0 takes projected areas instead, which cannot tell
+    /// overlap from extent and so err towards covering too much.
     std::uint32_t samples = 4;
     Inner inner = Inner::composited;
     Opacity opacity = Opacity::blended;
     float coverage_threshold = 0.5f;
-    /// Children whose colors, each of its quarter of a face and front over back, differ by at most this from the cell's
-    /// own are not kept: cells as large as the tolerance are drawn for cells of half that size. Below 0: all are kept.
+    /// Children are not kept where the colors of all quarters of faces, front over back, differ by at most this from
+    /// the cell's own: cells as large as the tolerance are then drawn for cells of half that size. Below 0 all are
+    /// kept.
     float redundancy_tolerance = 2.0f / 255;
     /// Whether primitives smaller than a sample are deposited by the law that faces' opacities suggest: far more
     /// accurate, but up to three times slower where a cell of a pixel holds but a few of them. (The papers draw them.)
     bool guesses_area_law = false;
 
-    /// Premultiplied, of the whole face of the cell. Alpha may exceed 1 where loose contents lie side by side beyond
-    /// it: a neighbor has that much less, and their parent is right again.
+    /// Premultiplied colors of the cell's faces. Alpha may exceed 1 where loose contents lie side by side beyond a
+    /// face: a neighbor has that much less, and their parent is right again.
     using stand_in_draft = std::array<glm::vec4, 6>;
     using stand_in_data = std::array<Rgba8, 6>;  ///< premultiplied; sides -x, +x, -y, +y, -z, +z
     static constexpr ApproximationFacts facts{.needs_polygons = true,
@@ -110,7 +112,7 @@ struct ColorCube {
         return least_projected_side(cell, levels, view);
     }
 
-    /// Of the faces' mean opacity, weighted by itself: the faces that see a surface on edge say nothing about it.
+    /// The law of the faces' mean opacity, weighted by itself: faces that see a surface on edge say nothing about it.
     std::optional<AreaLaw> area_law(const stand_in_data& data) const {
         if (!guesses_area_law) return {};
         unsigned sum = 0, squares = 0;
@@ -124,7 +126,7 @@ struct ColorCube {
         for (unsigned side = 0; side < 6; ++side) emit_polygon(face_of(cell, side, data[side]), sink);
     }
 
-    /// Up to three faces; or, of a cell too small to have a shape, one splat with their common area and color: visible
+    /// Up to three faces or, for a cell too small to have a shape, one splat with their common area and color: visible
     /// faces of a convex body do not overlap, so their areas add up.
     template <class Sink>
     void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
@@ -154,7 +156,7 @@ struct ColorCube {
         return octants;
     }
     static bool is_front(unsigned octant, unsigned side) { return (octant >> side / 2 & 1) == (side & 1); }
-    /// What is seen through one of the front four octants.
+    /// The color seen through one of the front four octants.
     glm::vec4 quarter(const Octants& octants, unsigned side, unsigned front) const {
         const auto face = [&](unsigned i) { return octants[i] ? (*octants[i])[side] : glm::vec4(0); };
         return over(face(front), face(front ^ 1u << side / 2));
@@ -170,8 +172,8 @@ struct ColorCube {
 
     template <class Contents, class Sampler>
     stand_in_draft sampled(const Cell& cell, Contents&& contents, Sampler& sampler) const {
-        // What sticks out of a loose cell is sampled too, or its mass would be lost: squares keep the size they have on
-        // the cell's faces and the grid grows to the bounds.
+        // Contents that stick out of a loose cell are sampled too, or their mass would be lost: squares keep the size
+        // they have on the cell's faces and the grid grows to the bounds.
         const Box bounds = cell.bounds();
         const float side = cell.largest_side();
         const float looseness = side > 0 ? bounds.largest_side() / side : 1.0f;
@@ -207,18 +209,15 @@ struct ColorCube {
     stand_in_draft projected(const Cell& cell, Contents&& contents) const {
         stand_in_draft d{};
         contents([&](const Polygon& polygon) {
-            glm::vec3 doubled_area(0);
+            const glm::vec3 doubled =
+                doubled_area<float>(polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i]; });
             glm::vec4 color(0);
-            for (std::size_t i = 2; i < polygon.vertices.size(); ++i) {
-                doubled_area += glm::cross(polygon.vertices[i - 1] - polygon.vertices[0],
-                                           polygon.vertices[i] - polygon.vertices[0]);
-            }
             for (const Rgba8 c : polygon.colors) color += to_vec4(c);
             color *= 1.0f / float(polygon.colors.size());
             const glm::vec4 premultiplied(glm::vec3(color) * color.a, color.a);
             for (int s = 0; s < 6; ++s) {
                 const float face = 4 * cell.half[(s / 2 + 1) % 3] * cell.half[(s / 2 + 2) % 3];
-                if (face > 0) d[std::size_t(s)] += premultiplied * (0.5f * std::abs(doubled_area[s / 2]) / face);
+                if (face > 0) d[std::size_t(s)] += premultiplied * (0.5f * std::abs(doubled[s / 2]) / face);
             }
         });
         return d;

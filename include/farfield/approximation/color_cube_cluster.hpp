@@ -1,4 +1,4 @@
-// K x K x K color cubes a cell, kept as six lists of faces (Chamberlain et al. 1995, sections 4.2 and 6.2).
+// K x K x K color cubes in each cell, kept as six lists of faces (Chamberlain et al. 1995, sections 4.2 and 6.2).
 #pragma once
 
 #include <algorithm>
@@ -29,8 +29,8 @@ template <unsigned K>
 requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     /// Orthographic samples along a side of each small cube, 1 to 8. A cube's colors see what lies in its own slab.
     std::uint32_t samples = 2;
-    /// Faces covered less are not kept: "small isolated details in the original scene are magnified to inappropriately
-    /// large sizes" (1995, section 4.1).
+    /// Faces of which no more than this is covered are not kept: "small isolated details in the original scene are
+    /// magnified to inappropriately large sizes" (1995, section 4.1).
     float coverage_threshold = 1.0f / 64;
 
     struct pool_element {
@@ -90,10 +90,10 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
         return data;
     }
 
-    /// A surface through the cell: K x K cubes, seen on one side or another.
+    /// The work of a surface through the cell: K x K cubes, seen on one side or another.
     Work expected_work() const { return {.splats = float(K * K)}; }
-    /// Half of the faces look at the viewer. Where samples met none of the contents they must not vanish: no price is
-    /// high enough.
+    /// Half of the faces look at the viewer. Contents that no sample met must not vanish, so their stand-in is never
+    /// worth it.
     Work work(const stand_in_data& data) const {
         float faces = 0;
         for (const std::uint16_t n : data.count) faces += float(n);
@@ -109,7 +109,7 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
         return least_projected_side(cell, levels, view) / K;
     }
 
-    /// Of data read from a file: no list leaves the pool.
+    /// Whether no list leaves the pool, as it might in a file.
     bool is_sound(const stand_in_data& data, std::span<const pool_element> pool) const {
         std::uint64_t end = data.first;
         for (const std::uint16_t n : data.count) end += n;

@@ -142,23 +142,23 @@ class PolygonSubtree {
     void hand_down(const ClippedItem& item, const Cell& cell, const Cuts& cuts, unsigned plane, Sides& sides,
                    const typename Partition_::node_data& data) {
         for (; plane < cuts.count; ++plane) {
-            const PlaneInCell in_cell(cuts.planes[plane], cell);
+            const LocalPlane local_plane(cuts.planes[plane], cell);
             const ClippedItems one({&item, 1}, corners, planes_);
-            const PlaneRelation relation = one.relation(0, cuts.planes[plane], in_cell, cell);
+            const PlaneRelation relation = one.relation(0, cuts.planes[plane], local_plane, cell);
             if (relation != PlaneRelation::crossing || item.corners == 0) {
                 sides[plane] = relation == PlaneRelation::behind ? Side::behind
                                : relation == PlaneRelation::on   ? Side::on
                                                                  : Side::in_front;
                 continue;
             }
-            const ClippedItem behind = part_of(item, in_cell, Side::behind),
-                              in_front = part_of(item, in_cell, Side::in_front);
+            const ClippedItem behind = part_of(item, local_plane, Side::behind),
+                              in_front = part_of(item, local_plane, Side::in_front);
             // Where rounding leaves no area on one side, all of it goes to the other.
             const bool on_one_side = behind.corners == 0 || in_front.corners == 0;
             const Sides before = sides;
             for (const Side side : {Side::behind, Side::in_front}) {
                 const ClippedItem& part = side == Side::behind ? behind : in_front;
-                if (on_one_side ? side != larger_side(item, in_cell) : part.corners == 0) continue;
+                if (on_one_side ? side != larger_side(item, local_plane) : part.corners == 0) continue;
                 sides = before;
                 sides[plane] = side;
                 hand_down(on_one_side ? item : part, cell, cuts, plane + 1, sides, data);
@@ -168,7 +168,7 @@ class PolygonSubtree {
         lists_[partition_->child_at(data, sides)].push_back(item);
     }
 
-    ClippedItem part_of(const ClippedItem& item, const PlaneInCell& plane, Side side) {
+    ClippedItem part_of(const ClippedItem& item, const LocalPlane& plane, Side side) {
         ClippedItem part = item;
         part.first_corner = std::uint32_t(corners.size());
         scratch_.assign(corners.begin() + item.first_corner, corners.begin() + item.first_corner + item.corners);
@@ -182,7 +182,7 @@ class PolygonSubtree {
         return part;
     }
 
-    Side larger_side(const ClippedItem& item, const PlaneInCell& plane) const {
+    Side larger_side(const ClippedItem& item, const LocalPlane& plane) const {
         double sum = 0;
         for (const Corner& c : std::span(corners).subspan(item.first_corner, item.corners)) {
             sum += plane.height(c.position);

@@ -1,4 +1,4 @@
-// Work counted in nanoseconds of this machine and renderer, as in Shade et al. 1996, section 3.3.
+// Work counted in nanoseconds of this machine and renderer (Shade et al. 1996, section 3.3).
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,11 @@
 
 namespace farfield {
 
-/// Prices from calibrate() (calibration.hpp) or a file that it wrote; the defaults are one machine's, for tests.
+/// Prices from calibrate() (tuning/calibrate.hpp) or a price file; the defaults are one machine's, for tests.
 ///
 /// A triangle that is near costs many times one under a pixel. Where stand-ins compete with triangles, the triangles
 /// are small: a cell stands in when it is about a pixel wide. `Work::triangles` is therefore priced as small; the price
-/// of near ones is kept for what culling saves.
+/// of near ones is kept for estimates of what culling saves.
 struct MeasuredTime {
     static constexpr const char* unit = "nanoseconds";
     static constexpr std::uint32_t file_tag = 0x4d540001u;

@@ -1,5 +1,5 @@
-// Prices of work in a file: a machine is measured once (calibration.hpp), and builds that read the file are the same
-// from then on.
+// Prices of work in a file: a machine is measured once (tuning/calibrate.hpp), and builds that read the file are the
+// same from then on.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +37,7 @@ inline constexpr std::array<NamedPrice, 8> named_prices{{{"small_triangle", &Mea
     throw std::runtime_error(std::string("farfield::") + function + ": " + where + ": " + why);
 }
 
-/// The next word of a line, and the line without it.
+/// Takes the next word off a line.
 inline std::string_view next_word(std::string_view& line) {
     constexpr const char* spaces = " \t\r";
     line.remove_prefix(std::min(line.find_first_not_of(spaces), line.size()));
@@ -48,8 +48,8 @@ inline std::string_view next_word(std::string_view& line) {
 
 }  // namespace detail
 
-/// Text for people: a line a price, "small_triangle 3.1 nanoseconds". Throws std::runtime_error if it cannot be
-/// written.
+/// Writes text for people, one price a line: "small_triangle 3.1 nanoseconds". Throws std::runtime_error if it cannot
+/// be written.
 inline void write_prices(const MeasuredTime& prices, const std::filesystem::path& path) {
     std::string text = "# farfield: what each kind of work takes on the machine that calibrate() ran on\n";
     for (const auto& [name, price] : detail::named_prices) {
@@ -64,8 +64,8 @@ inline void write_prices(const MeasuredTime& prices, const std::filesystem::path
 }
 
 /// Reads what write_prices() wrote, to the last bit. Empty lines and those that start with # do not count. Throws
-/// std::runtime_error, "farfield::read_prices: FILE:LINE: reason", for whatever is no positive price, and if one is
-/// missing.
+/// std::runtime_error, "farfield::read_prices: FILE:LINE: reason", for a line that is not a positive price, and if a
+/// price is missing.
 inline MeasuredTime read_prices(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) detail::refuse_prices("read_prices", path.string(), "cannot be opened");

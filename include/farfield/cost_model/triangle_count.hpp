@@ -1,4 +1,4 @@
-// Work counted in triangles, as in Chamberlain et al. 1996, section 4. Needs no clock: builds are the same anywhere.
+// Work counted in triangles (Chamberlain et al. 1996, section 4). It needs no clock: builds are the same anywhere.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace farfield {
 
-/// The paper counts two triangles for a face. The other conversions are ours, rounded from what this house's renderers
-/// take (bench/): a deposit costs as much as eight triangles smaller than a pixel, culling a cell as much as four.
+/// The paper counts two triangles for a face. The other conversions are ours, rounded from measurements of our
+/// renderers (bench/): a deposit costs as much as eight triangles smaller than a pixel, culling a cell as much as four.
 struct TriangleCount {
     static constexpr const char* unit = "triangles";
     static constexpr std::uint32_t file_tag = 0x54430001u;

@@ -24,8 +24,8 @@ enum class AreaLaw : std::uint8_t { independent = 0, mixed = 1, coherent = 2 }; 
 /// Below this a sample counts as closed: half a step of eight bits.
 inline constexpr float closed_transmittance = 0.5f / 255.0f;
 
-/// What is taken from a transmittance T: T' = max(0, T - relative T - absolute). Where only a part of a sample is
-/// covered, that part of both. Neither is negative; relative is 1 at most, absolute may be more.
+/// The part that is taken from a transmittance T: T' = max(0, T - relative T - absolute). Where only a part of a sample
+/// is covered, that part of both is taken. Neither is negative; relative is 1 at most, absolute may be more.
 struct Loss {
     float relative = 0;
     float absolute = 0;
@@ -42,7 +42,7 @@ constexpr float absorbed(float x) {
 }
 }  // namespace detail
 
-/// Of `area`, 0 or more, in units of the sample's own.
+/// The loss by depositing `area`, 0 or more, in units of the sample's own area.
 constexpr Loss loss_of_area(float area, AreaLaw law) {
     switch (law) {
         case AreaLaw::coherent:
@@ -57,7 +57,7 @@ constexpr Loss loss_of_area(float area, AreaLaw law) {
     return {};
 }
 
-/// That leaves 1 - alpha of a fresh sample: the coverage of something opaque, or its opacity, 0 to 1.
+/// The loss that leaves 1 - alpha of a fresh sample. Alpha is the coverage of something opaque, or an opacity, 0 to 1.
 constexpr Loss loss_of_opacity(float alpha, AreaLaw law) {
     switch (law) {
         case AreaLaw::coherent:
@@ -81,8 +81,8 @@ constexpr float transmitted(float transmittance, float area, AreaLaw law) {
     return transmitted(transmittance, loss_of_area(area, law));
 }
 
-/// The law that suits something of this opacity where nothing else is known: what is opaque is a surface, what is
-/// thin is strewn. (Chamberlain's cubes carry an opacity only.)
+/// The law that suits something of this opacity where nothing else is known: opaque things are surfaces, thin ones are
+/// strewn. (Chamberlain's cubes carry an opacity only.)
 constexpr AreaLaw law_of_opacity(float alpha) {
     return alpha >= 0.75f ? AreaLaw::coherent : alpha >= 0.375f ? AreaLaw::mixed : AreaLaw::independent;
 }

@@ -1,5 +1,4 @@
-// Axis-aligned boxes, in single precision for everything inside a hierarchy and in double for what users
-// bring.
+// Axis-aligned boxes, in single precision for everything inside a hierarchy and in double for all that users bring.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A cell of a partition, as it is computed while descending.
+// A cell of a partition. Cells are not stored but computed at every descent.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,14 @@
 namespace farfield {
 
 /// A part of space, in the hierarchy's own coordinates (the user's less the hierarchy's origin). Centers and half
-/// sides instead of corners, for that is what culling and projection use.
+/// sides are kept instead of corners because culling and projection use them.
 struct Cell {
-    glm::vec3 center{0};  ///< of the part of space the cell stands for: colors and errors are about this box
-    glm::vec3 half{0};    ///< its half side on each axis
-    glm::vec3 bounds_center{
-        0};  ///< of a box that holds all that is drawn for the cell's subtree: culling is about this
-    glm::vec3 bounds_half{0};
-    std::uint16_t depth = 0;  ///< levels below the root
-    std::uint16_t stage = 0;  ///< the partition's own: which part of a nested partition is at work
+    /// The box of the part of space that the cell stands for: colors and errors are about it.
+    glm::vec3 center{0}, half{0};
+    /// A box that holds all that is drawn for the cell's subtree: culling is about it.
+    glm::vec3 bounds_center{0}, bounds_half{0};
+    std::uint16_t depth = 0;            ///< levels below the root
+    std::uint16_t partition_state = 0;  ///< for the partition's own use
 
     Box box() const { return {center - half, center + half}; }
     Box bounds() const { return {bounds_center - bounds_half, bounds_center + bounds_half}; }

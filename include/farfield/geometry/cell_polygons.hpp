@@ -1,4 +1,4 @@
-// What a partition that cuts sees of a cell's contents: convex polygons, and instances, which are never cut.
+// The contents of a cell as a partition that cuts sees them: convex polygons, and instances, which are never cut.
 #pragma once
 
 #include <algorithm>
@@ -18,23 +18,23 @@ namespace farfield {
 /// A piece of a polygon, or an instance, while the hierarchy is built.
 struct ClippedItem {
     Box bounds;                      ///< local coordinates
-    std::uint32_t source = 0;        ///< index of the primitive; of polygons that were joined that of the first
-    std::uint32_t polygon = 0;       ///< whose supporting plane it keeps, however often it is cut
+    std::uint32_t source = 0;        ///< index of the primitive, or of the first one where polygons were joined
+    std::uint32_t polygon = 0;       ///< number of its supporting plane, which every piece of it keeps
     std::uint32_t first_corner = 0;  ///< in the builder's array
     std::uint32_t corners = 0;       ///< 0: an instance
-    float cost = 0;                  ///< of drawing one of its triangles; of an instance, of all of it
+    float cost = 0;                  ///< of drawing one of its triangles, or all of an instance
 };
 
-/// dot(normal, p) = offset: the best that single precision has for the polygon's own vertices.
+/// dot(normal, p) = offset, as near to the polygon's own vertices as a normal in single precision can be.
 struct SupportingPlane {
     glm::vec3 normal{0};
     double offset = 0;
 };
 
-/// Where something lies: `crossing` is on both sides.
+/// The side of a plane that something lies on: `crossing` is on both.
 enum class PlaneRelation : std::uint8_t { behind, on, in_front, crossing };
 
-/// A cell's contents, instances first.
+/// The contents of one cell, instances first.
 class ClippedItems {
   public:
     ClippedItems(std::span<const ClippedItem> items, std::span<const Corner> corners,
@@ -46,7 +46,7 @@ class ClippedItems {
     }
 
     std::size_t size() const { return items_.size(); }
-    std::size_t instances() const { return instances_; }  ///< items [0, instances()) are some
+    std::size_t instances() const { return instances_; }  ///< items [0, instances()) are instances
     const ClippedItem& operator[](std::size_t i) const { return items_[i]; }
     std::span<const Corner> polygon(std::size_t i) const {
         return corners_.subspan(items_[i].first_corner, items_[i].corners);
@@ -58,15 +58,15 @@ class ClippedItems {
         return {p.normal, float(p.offset - glm::dot(glm::dvec3(p.normal), glm::dvec3(cell.center)))};
     }
 
-    /// Pieces of the polygon that the plane was laid through lie on it, whatever rounding made of their corners. An
-    /// instance as thin as the plane counts as in front of it: it is never `on`.
-    PlaneRelation relation(std::size_t i, const CuttingPlane& plane, const PlaneInCell& in_cell,
+    /// `local_plane` is `plane` in the cell. Pieces of the polygon that it was laid through lie on it, however their
+    /// corners were rounded. An instance as thin as the plane counts as in front of it: it is never `on`.
+    PlaneRelation relation(std::size_t i, const CuttingPlane& plane, const LocalPlane& local_plane,
                            const Cell& cell) const {
         const ClippedItem& item = items_[i];
         const glm::dvec3 lower(item.bounds.lower), upper(item.bounds.upper);
-        const double middle = 0.5 * (in_cell.height(item.bounds.lower) + in_cell.height(item.bounds.upper));
-        const double reach = 0.5 * glm::dot(glm::abs(in_cell.normal()), upper - lower);
-        const double tolerance = in_cell.tolerance();
+        const double middle = 0.5 * (local_plane.height(item.bounds.lower) + local_plane.height(item.bounds.upper));
+        const double reach = 0.5 * glm::dot(glm::abs(local_plane.normal()), upper - lower);
+        const double tolerance = local_plane.tolerance();
         if (item.corners == 0) {
             if (middle - reach >= -tolerance) return PlaneRelation::in_front;
             return middle + reach <= tolerance ? PlaneRelation::behind : PlaneRelation::crossing;
@@ -76,7 +76,7 @@ class ClippedItems {
         if (!may_be_own && middle + reach < -tolerance) return PlaneRelation::behind;
         bool behind = false, in_front = false;
         for (const Corner& c : polygon(i)) {
-            const double h = in_cell.height(c.position);
+            const double h = local_plane.height(c.position);
             behind = behind || h < -tolerance;
             in_front = in_front || h > tolerance;
         }
@@ -84,14 +84,14 @@ class ClippedItems {
         return behind && in_front ? PlaneRelation::crossing : behind ? PlaneRelation::behind : PlaneRelation::in_front;
     }
 
-    /// Whether any order of them is right, from wherever they are seen: one item, or polygons in one plane.
+    /// Whether any order of the items is right, from wherever they are seen: one item, or polygons in one plane.
     bool need_no_order(const Cell& cell) const {
         if (size() <= 1) return true;
         if (instances_ != 0) return false;
         const CuttingPlane plane = plane_of(0, cell);
-        const PlaneInCell in_cell(plane, cell);
+        const LocalPlane local_plane(plane, cell);
         for (std::size_t i = 1; i < size(); ++i) {
-            if (relation(i, plane, in_cell, cell) != PlaneRelation::on) return false;
+            if (relation(i, plane, local_plane, cell) != PlaneRelation::on) return false;
         }
         return true;
     }
@@ -103,13 +103,13 @@ class ClippedItems {
     std::size_t instances_ = 0;
 };
 
-/// How a cell is cut: up to three planes, one after the other. No instance may cross one.
+/// Up to three planes that cut a cell one after the other. No instance may cross one.
 struct Cuts {
     std::array<CuttingPlane, 3> planes;
     unsigned count = 0;
-    unsigned children = 0;  ///< of which empty ones are left out
+    unsigned children = 0;  ///< how many there may be; empty ones are left out
 };
-/// Of each of the planes.
+/// The side of each of the planes.
 using Sides = std::array<Side, 3>;
 
 }  // namespace farfield

@@ -1,4 +1,4 @@
-// Convex polygons cut by planes, so that whoever shares an edge gets the same point of it, bit by bit.
+// Convex polygons cut by planes, so that polygons that share an edge get the same point of it, bit by bit.
 #pragma once
 
 #include <cmath>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/rgba8.hpp"
 
 namespace farfield {
@@ -28,27 +29,27 @@ struct CuttingPlane {
 
 enum class Side : std::uint8_t { behind, on, in_front };
 
-/// A plane in its cell, in double precision: cutting and finding the viewer's side go by the same numbers.
-class PlaneInCell {
+/// A plane in local coordinates, in double precision: cutting and finding the viewer's side go by the same numbers.
+class LocalPlane {
   public:
-    PlaneInCell(const CuttingPlane& plane, const Cell& cell)
+    LocalPlane(const CuttingPlane& plane, const Cell& cell)
         : normal_(plane.normal),
           offset_(double(plane.offset) + glm::dot(glm::dvec3(plane.normal), glm::dvec3(cell.center))) {
-        // Two steps of the largest coordinate: cut points are rounded to them, by up to sqrt(3) / 2 in all.
+        // Two steps of the largest coordinate: cut points are rounded by up to sqrt(3) / 2 steps in all.
         const glm::dvec3 reach = glm::abs(glm::dvec3(cell.center)) + glm::dvec3(cell.half);
         tolerance_ = 0x1p-22 * glm::max(reach.x, glm::max(reach.y, reach.z));
     }
 
     const glm::dvec3& normal() const { return normal_; }
-    /// What is no farther from the plane than this lies on it.
+    /// Points no farther from the plane than this lie on it.
     double tolerance() const { return tolerance_; }
     double height(glm::vec3 p) const { return glm::dot(normal_, glm::dvec3(p)) - offset_; }
-    /// Likewise 0 where a point counts as on the plane.
+    /// The height, or 0 where the point counts as on the plane.
     double height_or_on(glm::vec3 p) const {
         const double h = height(p);
         return std::abs(h) <= tolerance_ ? 0 : h;
     }
-    /// Of a viewpoint as LocalView gives it; only the sign means something.
+    /// The height of a viewpoint as LocalView gives it; only its sign means something.
     double height(glm::vec4 p) const { return glm::dot(normal_, glm::dvec3(glm::vec3(p))) - offset_ * double(p.w); }
 
   private:
@@ -62,18 +63,12 @@ struct Corner {
     Rgba8 color;
 };
 
-/// Twice the area of a convex polygon along its normal (Newell). Exactly 0 where all corners lie on one line, unless
-/// coordinates differ by a factor of 2^29.
+/// See polygon.hpp.
 inline glm::dvec3 doubled_area(std::span<const Corner> polygon) {
-    glm::dvec3 sum(0);
-    const glm::dvec3 first(polygon.empty() ? glm::vec3(0) : polygon[0].position);
-    for (std::size_t i = 2; i < polygon.size(); ++i) {
-        sum += glm::cross(glm::dvec3(polygon[i - 1].position) - first, glm::dvec3(polygon[i].position) - first);
-    }
-    return sum;
+    return doubled_area<double>(polygon.size(), [&](std::size_t i) { return polygon[i].position; });
 }
 
-/// Where the edge a b, whose ends lie on different sides, meets the plane. The same whichever end comes first.
+/// The point where the edge a b, whose ends lie on different sides, meets the plane, whichever end comes first.
 inline Corner crossing(Corner a, double height_a, Corner b, double height_b) {
     const auto is_before = [](glm::vec3 p, glm::vec3 q) {
         return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
@@ -94,7 +89,7 @@ inline Corner crossing(Corner a, double height_a, Corner b, double height_b) {
 
 /// Appends the part of a convex polygon on one side of a plane, in its order; corners on the plane go to both sides.
 /// Nothing is appended where rounding leaves no area, seen along `normal`.
-inline bool append_part(std::span<const Corner> polygon, const PlaneInCell& plane, Side side, glm::vec3 normal,
+inline bool append_part(std::span<const Corner> polygon, const LocalPlane& plane, Side side, glm::vec3 normal,
                         std::vector<Corner>& out) {
     const double sign = side == Side::behind ? -1 : 1;
     const std::size_t begin = out.size();

@@ -1,4 +1,4 @@
-// The part of a convex polygon inside a box (Sutherland and Hodgman 1974), for what counts areas cell by cell.
+// The part of a triangle inside a box (Sutherland and Hodgman 1974), for sums of areas cell by cell.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace farfield {
 
-/// A triangle less what lies outside of a box: up to nine corners.
+/// The part of a triangle that lies in a box: up to nine corners.
 class ClippedTriangle {
   public:
     ClippedTriangle(const Box& box, const glm::vec3 (&triangle)[3]) : corners_{triangle[0], triangle[1], triangle[2]} {
@@ -20,7 +20,7 @@ class ClippedTriangle {
         }
     }
 
-    /// In the triangle's order; fewer than three where nothing is left.
+    /// The corners in the triangle's order; fewer than three where nothing is left.
     std::span<const glm::vec3> corners() const { return {corners_.data(), count_}; }
 
   private:

@@ -1,4 +1,4 @@
-// What polygons become in a hierarchy whose partition cuts them: convex pieces, one a position.
+// The convex pieces, one for each position, that polygons become in a hierarchy whose partition cuts them.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ struct Fragments {
 
     bool empty() const { return first_vertex.empty(); }
     std::size_t size_bytes() const { return first_vertex.size_bytes() + vertices.size_bytes() + colors.size_bytes(); }
-    /// Three vertices or more; none where the position is an instance's.
+    /// A polygon of three vertices or more, or of none where the position is an instance's.
     Polygon operator[](std::uint32_t position) const {
         const std::size_t first = first_vertex[position], count = first_vertex[position + 1] - first;
         return {vertices.subspan(first, count), colors.subspan(first, count)};

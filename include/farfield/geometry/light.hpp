@@ -26,7 +26,7 @@ struct DirectionalLight {
     }
 };
 
-/// Alpha stays.
+/// A color times a brightness; alpha stays.
 inline Rgba8 scaled(Rgba8 c, float brightness) {
     const auto channel = [brightness](std::uint8_t v) {
         const float lit = float(v) * brightness + 0.5f;

@@ -1,7 +1,8 @@
-// What primitives are tessellated into: convex polygons, seen as spans, never owned.
+// Convex polygons, which primitives are tessellated into: seen as spans, never owned.
 #pragma once
 
 #include <cstddef>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 
@@ -9,23 +10,42 @@
 
 namespace farfield {
 
-/// A convex planar polygon of three or more vertices, counter-clockwise seen from its front. Both sides are
-/// visible. `colors` holds one color for all, or one a vertex, not premultiplied. Valid only during the call
-/// it is passed to.
+/// A convex planar polygon of three or more vertices, counter-clockwise seen from its front. Both sides are visible.
+/// `colors` holds one color for all, or one a vertex, not premultiplied. It is valid only during the call that it is
+/// passed to.
 template <class T>
 struct BasicPolygon {
     std::span<const glm::vec<3, T>> vertices;
     std::span<const Rgba8> colors;
-    /// The colors hold the light already: set by stand-ins, whose light was baked in when they were built.
+    /// Whether the colors hold the light already, as those of stand-ins do, whose light was baked in by the build.
     bool is_lit = false;
 };
 
 using Polygon = BasicPolygon<float>;
 using PolygonD = BasicPolygon<double>;
 
+/// Calls f(a, b, c) with the numbers of the corners of each triangle that a convex polygon of that many corners fans
+/// out into; a is always 0.
+template <class F>
+void for_each_triangle(std::size_t corners, F&& f) {
+    for (std::size_t i = 2; i < corners; ++i) f(std::size_t(0), i - 1, i);
+}
+
+/// Twice the area of a convex polygon along its normal (Newell); position(i) gives corner i. Exactly 0 in double
+/// precision where all corners lie on one line, unless single-precision coordinates differ by a factor of 2^29.
+template <class T, class Position>
+glm::vec<3, T> doubled_area(std::size_t corners, Position&& position) {
+    glm::vec<3, T> sum(0);
+    for_each_triangle(corners, [&](std::size_t a, std::size_t b, std::size_t c) {
+        const glm::vec<3, T> first(position(a));
+        sum += glm::cross(glm::vec<3, T>(position(b)) - first, glm::vec<3, T>(position(c)) - first);
+    });
+    return sum;
+}
+
 /// Calls sink(BasicPolygon<To>) with the polygon's vertices mapped, colors as they are; polygons of more than 64
-/// vertices come as several that fan out from the first vertex. What is no polygon (fewer than three vertices, no
-/// color) is dropped.
+/// vertices come as several that fan out from the first vertex. Polygons of fewer than three vertices, or without a
+/// color, are dropped.
 template <class To, class From, class Map, class Sink>
 void map_polygon(const BasicPolygon<From>& polygon, Map&& map, Sink&& sink) {
     constexpr std::size_t capacity = 64;
@@ -47,8 +67,8 @@ void map_polygon(const BasicPolygon<From>& polygon, Map&& map, Sink&& sink) {
     }
 }
 
-/// Any sink of polygons, borrowed, its type forgotten: where primitives hold primitives of their own type, passing a
-/// sink down by its type would make a new type at every level, without end.
+/// A borrowed sink of polygons whose type is erased: where primitives hold primitives of their own type, passing a sink
+/// down by its type would make a new type at every level, without end.
 class AnyPolygonSink {
   public:
     template <class Sink>

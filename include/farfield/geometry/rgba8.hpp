@@ -1,5 +1,4 @@
-// Colors of eight bits a channel. Whether alpha is premultiplied is said where one is used; it is not by
-// default.
+// Colors of eight bits a channel. Alpha is not premultiplied unless a comment says so where one is used.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +13,7 @@ struct Rgba8 {
 };
 static_assert(sizeof(Rgba8) == 4);
 
-/// Channels in [0, 1].
+/// The color with its channels in [0, 1].
 inline glm::vec4 to_vec4(Rgba8 c) {
     return glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a)) * (1.0f / 255.0f);
 }

@@ -11,7 +11,7 @@
 
 namespace farfield {
 
-/// Closed sets: touching counts. Errs, by rounding, only for triangles within a few float steps of the box.
+/// Both are closed sets: touching counts. Rounding errs only for triangles within a few float steps of the box.
 inline bool triangle_touches(const Box& box, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
     const glm::vec3 center = box.center(), half = box.size() * 0.5f;
     const std::array<glm::vec3, 3> v{a - center, b - center, c - center};

@@ -1,4 +1,4 @@
-// In which order the parts of a scene are visited, and what an order promises.
+// Orders in which the parts of a scene are visited, and how strict they are.
 #pragma once
 
 #include <array>
@@ -6,10 +6,10 @@
 
 namespace farfield {
 
-/// In which order cells are visited.
+/// The order in which cells are visited.
 enum class VisitOrder : std::uint8_t { any, front_to_back, back_to_front };
 
-/// How strict an order is: it holds nowhere, between cells, or between primitives.
+/// The strictness of an order: it holds nowhere, between cells, or between primitives.
 enum class OrderGuarantee : std::uint8_t { none, cells, primitives };
 
 /// Numbers of a node's children, of which there are at most eight, in the order in which they are to be visited.

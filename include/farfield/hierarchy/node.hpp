@@ -1,9 +1,9 @@
 // A hierarchy is an array of nodes. Beside them stand the numbers that a frame and a build must agree on.
 #pragma once
 
-#include <algorithm>
-#include <bit>
 #include <cstdint>
+
+#include "farfield/geometry/halvings.hpp"
 
 namespace farfield {
 
@@ -42,7 +42,7 @@ inline constexpr std::uint32_t max_items_per_deposited_run = 32;
 namespace detail {
 /// The factor of the error of a stand-in that is drawn in place of those `levels_replaced` levels below it.
 inline float error_of_replaced_levels(const Node& node) {
-    return std::bit_cast<float>((127u - std::min<unsigned>(node.levels_replaced, 126u)) << 23);
+    return two_to_the_minus(node.levels_replaced);
 }
 }  // namespace detail
 

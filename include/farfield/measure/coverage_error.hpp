@@ -1,10 +1,9 @@
-// Whether a stand-in covers as much of the picture as what it stands for. A far field that is too thick or
-// too thin on average is a change of tone that mean squared errors rank below harmless noise; here it has a
-// sign of its own.
+// Does a stand-in cover as much of the picture as its primitives do? A far field that is too thick or too thin on
+// average is a change of tone that mean squared errors rank below harmless noise; here it has a sign of its own.
 //
-// That simplification must keep what is covered: R. L. Cook, J. Halstead, M. Planck, D. Ryu, "Stochastic
-// Simplification of Aggregate Detail", SIGGRAPH 2007 (area is preserved in the mean). The two numbers are the
-// mean and the root mean square of an estimator's error, the first relative to the quantity estimated.
+// Simplification must keep the area that is covered, in the mean: R. L. Cook, J. Halstead, M. Planck, D. Ryu,
+// "Stochastic Simplification of Aggregate Detail", SIGGRAPH 2007. The two numbers are the mean and the root mean square
+// of an estimator's error, the first relative to the quantity estimated.
 #pragma once
 
 #include <cmath>
@@ -28,7 +27,7 @@ struct CoverageError {
     friend bool operator==(const CoverageError&, const CoverageError&) = default;
 };
 
-/// Compares alpha only, over the pixels of `rect` (without one: all). Meant for pictures drawn without a
+/// Compares alpha only, over the pixels of `rect` (without one: all). It is meant for pictures drawn without a
 /// background, whose alpha is coverage; over a background alpha is 255 everywhere and both numbers are 0.
 /// `rms` depends on how much empty picture is compared, `bias` does not. Throws as `compared_rect` does.
 inline CoverageError coverage_error(const Image& variant, const Image& reference, std::optional<PixelRect> rect = {}) {

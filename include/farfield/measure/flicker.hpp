@@ -1,5 +1,5 @@
-// How restless a sequence of pictures is, beyond what its reference does: the part of an error that a still picture
-// does not show. Where levels of detail are swapped it gathers in a few frames, the pops.
+// How much a sequence of pictures changes beyond its reference: the part of an error that a still picture does not
+// show. Where levels of detail are swapped it gathers in a few frames, the pops.
 #pragma once
 
 #include <algorithm>
@@ -18,22 +18,21 @@ namespace farfield {
 
 /// Takes in the frames of a sequence and of its reference, in order. With I and R the red, green and blue of both, as
 /// stored, in [0, 1], it measures (I_t - I_t-1) - (R_t - R_t-1), the change of the error from a frame to the next:
-/// what moves in both does not count, nor does an error that stays. Alpha is not compared.
+/// movement in both does not count, nor does an error that stays. Alpha is not compared.
 ///
-/// Errs high for an error that sticks to what moves: it changes every pixel that it crosses, though an eye that follows
-/// sees it stand still. Errs low for one pop in a long calm sequence: the mean thins it out, `largest_pop_rms` does
-/// not.
+/// It errs high for an error on a moving thing: it changes every pixel that it crosses, though an eye that follows sees
+/// it stand still. It errs low for one pop in a long calm sequence: the mean thins it out, `largest_pop_rms` does not.
 class Flicker {
   public:
-    /// The next frame, compared over `rect` (without one: all). The step to it is compared over the smallest rectangle
-    /// that holds those of both its frames. Throws as `compared_rect` does, and std::invalid_argument for a size other
-    /// than the first frame's, and is then as before. Allocates at the first frame only.
+    /// Adds the next frame, compared over `rect` (without one: all). The step to it is compared over the smallest
+    /// rectangle that holds those of both its frames. Throws as `compared_rect` does, and std::invalid_argument for a
+    /// size other than the first frame's, and is then as before. Allocates at the first frame only.
     void add(const Image& variant, const Image& reference, std::optional<PixelRect> rect = {});
 
-    /// The next frame does not follow the last one: there is no step between them.
+    /// Says that the next frame does not follow the last one: there is no step between them.
     void cut() { follows_ = false; }
 
-    /// Those taken in, and how many of them followed one: those are compared.
+    /// The number of frames added, and of steps between two that follow each other, which are compared.
     int frames() const { return frames_; }
     int steps() const { return steps_; }
 

@@ -1,4 +1,4 @@
-// What somebody sees who alternates between two pictures.
+// The difference that a viewer sees who alternates between two pictures.
 //
 // P. Andersson, J. Nilsson, T. Akenine-Moller, M. Oskarsson, K. Astrom, M. D. Fairchild, "FLIP: A Difference
 // Evaluator for Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2),
@@ -31,7 +31,7 @@ inline constexpr double flip_pixels_per_degree = 3840 * std::numbers::pi / 180;
 /// against white, 1 for the two colors farthest apart, green and blue. Colors are sRGB, as stored; alpha is not
 /// compared. Symmetric.
 ///
-/// Errs low for somebody who looks closer than `pixels_per_degree` says, or at one spot, whose error the mean
+/// It errs low for somebody who looks closer than `pixels_per_degree` says, or at one spot, whose error the mean
 /// thins out. Pixels outside of the rectangle do not count: filters that reach beyond it see its outermost pixels
 /// repeated. Time grows with `pixels_per_degree`; at the default the filters are 21 pixels wide. Throws as
 /// `compared_rect` does, and std::invalid_argument unless 0 < `pixels_per_degree` <= 10'000.
@@ -69,7 +69,7 @@ class FlipRows {
           across_(colors.size()),
           down_(colors.size()) {}
 
-    /// The next row, from the top of the rectangle.
+    /// Filters the next row, from the top of the rectangle.
     void advance() {
         const int last = std::min(row_ + radius_, rect_.height() - 1);
         for (; rows_filtered_ <= last; ++rows_filtered_) filter_along(rows_filtered_);
@@ -100,7 +100,7 @@ class FlipRows {
     }
 
   private:
-    /// Filtered along the row: by the filter of that name.
+    /// A row filtered along itself, by the filter of that name.
     enum Plane : std::size_t {
         achromatic,
         red_green,
@@ -135,7 +135,7 @@ class FlipRows {
         curvature(filters_.point, along(0), filtered(point, row));
     }
 
-    // `tap(i)`: the pixels i to the right of, or below, those of a row.
+    // `tap(i)` gives the pixels i to the right of, or below, those of a row.
     template <class Tap>
     void even(const FlipFilters::Weights& weights, const Tap& tap, double* out) const {
         const double* middle = tap(0);
@@ -143,8 +143,8 @@ class FlipRows {
         add_pairs(weights, tap, out, [](double before, double, double after) { return before + after; });
     }
 
-    // Both are 0, exactly, where there is nothing to detect: the square root that is drawn of what they find would
-    // make something of a rounding error.
+    // Both are exactly 0 where there is nothing to detect: the square root taken later would make much of a rounding
+    // error.
     template <class Tap>
     void odd(const FlipFilters::Weights& weights, const Tap& tap, double* out) const {
         std::fill_n(out, colors.size(), 0.0);
@@ -174,13 +174,13 @@ class FlipRows {
     const FlipFilters& filters_;
     int radius_;
     int window_;             ///< rows kept: as many as a filter reaches
-    int row_ = 0;            ///< the next one to be told
+    int row_ = 0;            ///< the next one to be filtered
     int rows_filtered_ = 0;  ///< along the row
     std::vector<double> padded_, filtered_;
     std::vector<double> light_, red_green_, wide_, narrow_, across_, down_;  ///< of the last row
 };
 
-/// `use(error)` for each pixel of the rectangle.
+/// Calls use(error) for each pixel of the rectangle.
 template <class Use>
 void for_each_flip_error(const Image& variant, const Image& reference, PixelRect rect, double pixels_per_degree,
                          const Use& use) {

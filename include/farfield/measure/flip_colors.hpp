@@ -13,8 +13,8 @@
 
 namespace farfield::detail {
 
-/// YCxCz is used without its factors and offsets (Y here is (Y + 16) / 116 there): what is filtered is a mean, which
-/// does not see them.
+/// YCxCz is used without its factors and offsets (Y here is (Y + 16) / 116 there): filters take means, which do not see
+/// them.
 struct FlipColors {
     /// Linear sRGB to X, Y and Z, each over that of white, D65.
     const glm::dmat3 xyz_from_rgb = glm::transpose(glm::dmat3(glm::dvec3(10135552, 8788810, 4435075) / 23359437.0,

@@ -9,16 +9,17 @@
 
 namespace farfield::detail {
 
-/// All are products of two axes, or sums of two such products. Here is one axis: the weights of the pixels at distance
-/// 0, 1, ... to either side.
+/// All filters are products of two axes, or sums of two such products. Here is one axis: the weights of the pixels at
+/// distance 0, 1, ... to either side.
 struct FlipFilters {
     using Weights = std::vector<double>;
 
-    /// What the eye resolves (section "Spatial Filtering"): Gaussians of sum 1.
+    /// Filters for the detail that an eye resolves (section "Spatial Filtering"): Gaussians of sum 1.
     Weights achromatic, red_green, blue_yellow_wide, blue_yellow_narrow;
     double blue_yellow_wide_share = 1;  ///< the narrow one has the rest
-    /// What it is drawn to (section "Feature Detection"): a Gaussian of sum 1, and its first and second derivative,
-    /// both with positive weights of sum 1 and negative ones of sum -1. Of `edge` here are the positive ones.
+    /// Filters for the features that it is drawn to (section "Feature Detection"): a Gaussian of sum 1, and its first
+    /// and second derivative, both with positive weights of sum 1 and negative ones of sum -1. `edge` holds the
+    /// positive ones.
     Weights smooth, edge, point;
 
     explicit FlipFilters(double pixels_per_degree) {

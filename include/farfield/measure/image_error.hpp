@@ -1,6 +1,6 @@
-// How far the colors of one picture are from those of another, pixel by pixel.
+// Errors between the colors of two pictures, pixel by pixel.
 //
-// The definitions, and what they do not see: Z. Wang, A. C. Bovik, "Mean Squared Error: Love It or Leave It?
+// The definitions and their limits: Z. Wang, A. C. Bovik, "Mean Squared Error: Love It or Leave It?
 // A New Look at Signal Fidelity Measures", IEEE Signal Processing Magazine 26(1), 2009.
 #pragma once
 

@@ -9,13 +9,13 @@
 
 namespace farfield {
 
-/// Half-open: holds the pixels x0 <= x < x1, y0 <= y < y1, counted from the top left. Any rectangle is legal,
+/// A half-open rectangle of the pixels x0 <= x < x1, y0 <= y < y1, counted from the top left. Any rectangle is legal,
 /// also one that reaches beyond a picture; one with x1 <= x0 or y1 <= y0 is empty.
 struct PixelRect {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
     bool is_empty() const { return x1 <= x0 || y1 <= y0; }
-    /// Of a rectangle that was clipped to an image and is not empty.
+    /// Width and height of a rectangle that was clipped to an image and is not empty.
     int width() const { return x1 - x0; }
     int height() const { return y1 - y0; }
 

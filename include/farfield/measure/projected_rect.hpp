@@ -1,4 +1,4 @@
-// Where an object is in the picture, so that errors are those of the object and not of the empty picture around it.
+// The place of an object in the picture, so that errors are those of the object and not of the empty picture around it.
 #pragma once
 
 #include <cmath>
@@ -16,8 +16,8 @@
 namespace farfield {
 
 /// The pixels that a box in the user's coordinates may take: the extent of its corners, rounded outwards and clipped to
-/// the picture. Never empty. None where there is nothing to say: for a box that is empty, not finite, outside of the
-/// picture, or, in a perspective view, not all in front of the eye.
+/// the picture. Never empty. There is none for a box that is empty, not finite, outside of the picture, or, in a
+/// perspective view, not all in front of the eye.
 template <class T>
 std::optional<PixelRect> projected_rect(const BasicBox<T>& box, const View& view) {
     if (box.is_empty() || !box.is_finite()) return std::nullopt;

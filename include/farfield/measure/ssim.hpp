@@ -31,7 +31,7 @@ double ssim(const Image& variant, const Image& reference, std::optional<PixelRec
 
 namespace detail {
 
-/// One axis of one window: weights that sum to 1, of the pixels `first`, `first` + 1, ...
+/// One axis of one window: weights of the pixels `first`, `first` + 1, ... that sum to 1.
 struct SsimWindow {
     static constexpr int size = 11;
 
@@ -61,7 +61,7 @@ inline std::vector<SsimWindow> ssim_windows(int length) {
     return windows;
 }
 
-/// Weighted means of what the index is made of: two lumas, their squares and their product.
+/// Weighted means that the index is made of: of two lumas, their squares and their product.
 struct SsimMoments {
     double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 

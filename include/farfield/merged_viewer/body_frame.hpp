@@ -1,4 +1,4 @@
-// A body that moves, as one frame sees it, and how its planes look to the others.
+// A moving body as one frame sees it, and its planes in the coordinates of other bodies.
 #pragma once
 
 #include <glm/common.hpp>
@@ -15,8 +15,8 @@
 
 namespace farfield::detail {
 
-/// Bodies meet in the camera's coordinates, by the numbers that a renderer projects with: each body's eye and axes are
-/// rounded to single precision by themselves, and what counts is where a picture shows them.
+/// Bodies meet in the camera's coordinates, by the numbers that a renderer projects with: the eye and axes of each body
+/// are rounded to single precision separately, and planes must lie where the picture shows them.
 class BodyFrame {
   public:
     explicit BodyFrame(const LocalView& view)
@@ -27,13 +27,13 @@ class BodyFrame {
     const LocalView& view() const { return view_; }
 
     /// A plane of another body in this one's coordinates, rounded once, about the center of a cell.
-    PlaneInCell seen(const BodyFrame& other, const PlaneInCell& plane, const Cell& cell) const {
+    LocalPlane seen(const BodyFrame& other, const LocalPlane& plane, const Cell& cell) const {
         const glm::dvec3 in_camera = plane.normal() * other.from_camera_;
         const glm::dvec3 normal = in_camera * to_camera_;
         const double length = glm::length(normal);
         const double from_eye = -plane.height(other.view_.eye);
         const glm::dvec3 to_center = glm::dvec3(cell.center) - glm::dvec3(view_.eye);
-        return PlaneInCell(
+        return LocalPlane(
             CuttingPlane{glm::vec3(normal / length), float((from_eye - glm::dot(normal, to_center)) / length)}, cell);
     }
 
@@ -42,21 +42,21 @@ class BodyFrame {
     glm::dmat3 to_camera_, from_camera_;
 };
 
-/// On which side of a plane a box lies; what lies on the plane counts as in front of it.
-inline PlaneRelation side_of_box(const PlaneInCell& plane, const Box& box) {
+/// The side of a plane that a box lies on; a box on the plane counts as in front of it.
+inline PlaneRelation side_of_box(const LocalPlane& plane, const Box& box) {
     const double middle = 0.5 * (plane.height(box.lower) + plane.height(box.upper));
     const double reach = 0.5 * glm::dot(glm::abs(plane.normal()), glm::dvec3(box.upper) - glm::dvec3(box.lower));
     if (middle - reach >= -plane.tolerance()) return PlaneRelation::in_front;
     return middle + reach <= plane.tolerance() ? PlaneRelation::behind : PlaneRelation::crossing;
 }
 
-/// A face of a box in a cell, which lies behind it. Faces 0 to 5: -x, +x, -y, +y, -z, +z.
-inline PlaneInCell face_of_box(const Box& box, int face, const Cell& cell) {
+/// The plane of a face of a box in a cell; the box lies behind it. Faces 0 to 5: -x, +x, -y, +y, -z, +z.
+inline LocalPlane face_of_box(const Box& box, int face, const Cell& cell) {
     const int axis = face / 2;
     CuttingPlane plane;
     plane.normal[axis] = face % 2 == 0 ? -1.0f : 1.0f;
     plane.offset = face % 2 == 0 ? cell.center[axis] - box.lower[axis] : box.upper[axis] - cell.center[axis];
-    return PlaneInCell(plane, cell);
+    return LocalPlane(plane, cell);
 }
 
 }  // namespace farfield::detail

@@ -1,4 +1,4 @@
-// A body's subtree, whole or cut by planes, drawn as a Viewer would draw it.
+// Draws a body's subtree, whole or cut by planes, as a Viewer would draw it.
 #pragma once
 
 #include <cstddef>
@@ -21,13 +21,13 @@
 namespace farfield {
 
 struct MergedFrameStats : FrameStats {
-    std::uint64_t regions = 0;  ///< that more than one body reached into
-    std::uint64_t pieces = 0;   ///< polygons cut for this frame; counted as primitives too
+    std::uint64_t regions = 0;  ///< regions that more than one body reached into
+    std::uint64_t pieces = 0;   ///< polygons cut for this frame; they count as primitives too
 };
 
 namespace detail {
 
-/// For MergedViewer: one of its bodies at a time. Hierarchy, renderer and stats are borrowed.
+/// Draws parts of a MergedViewer's bodies, one at a time. Borrows hierarchies, renderer and stats.
 template <class H, class P, class R>
 class BodyWalker {
   public:
@@ -45,7 +45,7 @@ class BodyWalker {
         frames_.clear();
         active_body_ = none;
     }
-    /// Of the bodies in turn.
+    /// Adds the view of the next body; called for each, in order.
     void add_view(const LocalView& view) { frames_.emplace_back(view); }
     void end_frame() { flush(); }
 
@@ -61,8 +61,8 @@ class BodyWalker {
         return part_of(parent, detail::child_of(h, parent, h.nodes()[parent.node], h.data_of(parent.node), child));
     }
 
-    /// Takes away what does not matter of the planes of the view and of those that cut it, and shrinks its box. False
-    /// if nothing of it can be seen.
+    /// Drops the planes, of the view and of cuts, that the part is clear of, and shrinks its box. Returns false if
+    /// nothing of it can be seen.
     bool may_be_seen(BodyPart& part) {
         ++stats_.cells_visited;
         const Cell& cell = part.cell;
@@ -123,7 +123,7 @@ class BodyWalker {
         Source<P> source;
     };
 
-    /// A child of a part, cut by what its parent is cut by.
+    /// A child of a part, cut by the planes that cut its parent.
     static BodyPart part_of(const BodyPart& parent, const Subtree& child) {
         BodyPart part{child};
         part.body = parent.body;
@@ -186,7 +186,7 @@ class BodyWalker {
         queue_.add_run(body.source, first, end, {});
     }
 
-    /// What follows is this body's.
+    /// Everything added from now on belongs to this body.
     void turn_to(std::uint32_t body) {
         if (body == active_body_) return;
         flush();
@@ -194,7 +194,7 @@ class BodyWalker {
         queue_.set_view(frame(body).view());
     }
 
-    /// Runs or pieces: never do both wait.
+    /// Sends on what waits: runs or pieces, never both.
     void flush() {
         if (active_body_ == none) return;
         queue_.flush(bodies_[active_body_].source);
@@ -205,7 +205,7 @@ class BodyWalker {
     MergedFrameStats& stats_;
     std::vector<Body> bodies_;
     std::vector<BodyFrame> frames_;     ///< parallel to bodies_
-    std::uint32_t active_body_ = none;  ///< whose view the renderer has
+    std::uint32_t active_body_ = none;  ///< the body whose view the renderer has
     DrawQueue<R> queue_;
     PolygonBatch pieces_;
     PolygonClipper clipper_;

@@ -1,4 +1,4 @@
-// Planes that a subtree is cut by, found at its root and used at its leaves.
+// Planes that cut a subtree, found at its root and used at its leaves.
 #pragma once
 
 #include <algorithm>
@@ -16,33 +16,33 @@
 
 namespace farfield::detail {
 
-/// What lies on one side of a plane, in the coordinates of the body that is cut. What lies on the plane, up to its
-/// tolerance, is in front of it: every polygon goes to one side, or has a part on each.
+/// A plane, in the coordinates of the body that it cuts, and the side of it that is kept. Polygons on the plane, up to
+/// its tolerance, count as in front of it: every polygon goes to one side, or has a part on each.
 struct Clip {
-    PlaneInCell plane;
-    Side side;  ///< that is kept
+    LocalPlane plane;
+    Side side;
 };
 
-/// Some of an array's.
+/// A range of clips in a ClipStack.
 struct ClipList {
     std::uint32_t first = 0, count = 0;
 };
 
-/// A stack of them.
+/// A stack of lists of planes. A longer list is a copy, so that lists of its parent stay valid.
 class ClipStack {
   public:
     std::size_t size() const { return clips_.size(); }
     void shrink(std::size_t size) { clips_.erase(clips_.begin() + std::ptrdiff_t(size), clips_.end()); }
     std::span<const Clip> operator[](ClipList list) const { return {clips_.data() + list.first, list.count}; }
 
-    ClipList with(ClipList list, const PlaneInCell& plane, Side side) {
+    ClipList with(ClipList list, const LocalPlane& plane, Side side) {
         const ClipList longer{std::uint32_t(clips_.size()), list.count + 1};
         for (std::uint32_t i = list.first; i < list.first + list.count; ++i) clips_.push_back(Clip(clips_[i]));
         clips_.push_back({plane, side});
         return longer;
     }
 
-    /// Leaves out planes that a box is clear of. False if it lies beyond one of them.
+    /// Drops planes that a box is clear of. Returns false if the box lies beyond one of them.
     bool narrow(ClipList& list, const Box& bounds) {
         const auto begin = std::uint32_t(clips_.size());
         for (std::uint32_t i = list.first; i < list.first + list.count; ++i) {
@@ -64,10 +64,11 @@ class ClipStack {
         return true;
     }
 
-    /// A box around what is left of a box: plane by plane, so it may be too large. False if nothing is left.
+    /// Shrinks a box to the part that the planes keep: plane by plane, so it may stay too large. Returns false if
+    /// nothing is left.
     bool shrink(Box& box, ClipList list) const {
         for (const Clip& clip : (*this)[list]) {
-            // dot(normal, p) >= offset is kept.
+            // The plane keeps dot(normal, p) >= offset.
             const double sign = clip.side == Side::in_front ? 1 : -1, tolerance = clip.plane.tolerance();
             const glm::dvec3 normal = sign * clip.plane.normal();
             const double offset = -sign * clip.plane.height(glm::vec3(0)) - tolerance;
@@ -89,7 +90,7 @@ class ClipStack {
     std::vector<Clip> clips_;
 };
 
-/// Polygons, one after the other, cut by planes. Buffers are kept.
+/// Cuts polygons, one after the other, by planes. Keeps its buffers.
 class PolygonClipper {
   public:
     enum class Left : std::uint8_t { nothing, all, part };
@@ -123,7 +124,7 @@ class PolygonClipper {
         return left;
     }
 
-    /// Of the last polygon.
+    /// The part that is left of the last polygon.
     std::span<const Corner> corners() const { return corners_; }
 
   private:

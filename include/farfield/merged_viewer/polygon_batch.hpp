@@ -11,7 +11,7 @@
 
 namespace farfield::detail {
 
-/// Batches belong to one view. Buffers are kept.
+/// A batch of polygons of one view. Keeps its buffers.
 class PolygonBatch {
   public:
     bool empty() const { return ends_.empty(); }
@@ -25,7 +25,7 @@ class PolygonBatch {
         ends_.push_back(vertices_.size());
     }
 
-    /// In the order they came in.
+    /// Draws the polygons in the order they came in and empties the batch.
     template <DrawsPolygons R>
     void draw(R& renderer) {
         if (empty()) return;

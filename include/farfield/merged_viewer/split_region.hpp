@@ -1,4 +1,4 @@
-// Parts of several bodies in one part of space, and a plane that is best to tell some of them from the others.
+// Parts of several bodies in one region of space, and the plane that divides them best.
 #pragma once
 
 #include <algorithm>
@@ -15,31 +15,32 @@
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/fragments.hpp"
+#include "farfield/geometry/polygon.hpp"
 #include "farfield/merged_viewer/body_frame.hpp"
 #include "farfield/merged_viewer/clip_stack.hpp"
 
 namespace farfield::detail {
 
-/// A subtree of a body, cut by planes.
+/// A subtree of a body and the planes that cut it.
 struct BodyPart : Subtree {
-    Box box = Box::empty();  ///< around what is left of it
+    Box box = Box::empty();  ///< around the part that is left of it
     std::uint32_t body = 0;
     ClipList clips{};
-    bool visibility_tested = false;  ///< whether it may be seen, since it was cut or something drawn in front of it
+    bool visibility_tested = false;  ///< since it was last cut or something was drawn before it
 };
 
 struct SidesOfPlane {
     std::vector<BodyPart> behind, in_front;
 };
 
-/// Parts on their sides of a plane of a body, which crosses none of that body's own; what crosses it goes to both,
-/// cut.
+/// Puts parts on their sides of a plane of `body`, which crosses none of that body's own parts. Parts that it crosses
+/// go to both sides, cut.
 inline void divide(std::span<const BodyPart> parts, std::span<const BodyFrame> bodies, std::uint32_t body,
-                   const PlaneInCell& plane, ClipStack& clips, SidesOfPlane& sides) {
+                   const LocalPlane& plane, ClipStack& clips, SidesOfPlane& sides) {
     sides.behind.clear();
     sides.in_front.clear();
     for (const BodyPart& part : parts) {
-        const PlaneInCell seen = bodies[part.body].seen(bodies[body], plane, part.cell);
+        const LocalPlane seen = bodies[part.body].seen(bodies[body], plane, part.cell);
         const PlaneRelation relation = side_of_box(seen, part.box);
         for (const Side side : {Side::behind, Side::in_front}) {
             std::vector<BodyPart>& there = side == Side::behind ? sides.behind : sides.in_front;
@@ -52,17 +53,14 @@ inline void divide(std::span<const BodyPart> parts, std::span<const BodyFrame> b
     }
 }
 
-/// That of the largest of some polygons in one plane, positions [first, end).
-inline PlaneInCell plane_of_polygons(const Fragments& polygons, std::uint32_t first, std::uint32_t end,
-                                     const Cell& cell) {
+/// The plane of the largest of some polygons that lie in one plane, positions [first, end).
+inline LocalPlane plane_of_polygons(const Fragments& polygons, std::uint32_t first, std::uint32_t end,
+                                    const Cell& cell) {
     glm::dvec3 largest(0);
     std::span<const glm::vec3> its_vertices;
     for (std::uint32_t at = first; at < end; ++at) {
         const std::span<const glm::vec3> v = polygons[at].vertices;
-        glm::dvec3 area(0);
-        for (std::size_t i = 2; i < v.size(); ++i) {
-            area += glm::cross(glm::dvec3(v[i - 1]) - glm::dvec3(v[0]), glm::dvec3(v[i]) - glm::dvec3(v[0]));
-        }
+        const glm::dvec3 area = doubled_area<double>(v.size(), [&](std::size_t i) { return v[i]; });
         if (!its_vertices.empty() && !(glm::dot(area, area) > glm::dot(largest, largest))) continue;
         largest = area;
         its_vertices = v;
@@ -73,17 +71,17 @@ inline PlaneInCell plane_of_polygons(const Fragments& polygons, std::uint32_t fi
         offset += glm::dot(glm::dvec3(plane.normal), glm::dvec3(v) - glm::dvec3(cell.center));
     }
     plane.offset = float(offset / double(its_vertices.size()));
-    return PlaneInCell(plane, cell);
+    return LocalPlane(plane, cell);
 }
 
-/// A face of the box around parts[part].
+/// A face of the box around one of the parts.
 struct SeparatingFace {
     std::size_t part = 0;
     int face = 0;
 };
 
-/// The face that divides parts most evenly, and cuts none of them, or, where there are many, few. It costs less than
-/// any plane within a body: bodies whose boxes do not meet are never cut.
+/// The face that divides the parts most evenly and cuts none of them, or few where there are many. Such faces are tried
+/// before any plane within a body, so that bodies whose boxes do not meet are never cut.
 inline std::optional<SeparatingFace> separating_face(std::span<const BodyPart> parts,
                                                      std::span<const BodyFrame> bodies) {
     constexpr std::size_t most_boxes = 8;
@@ -94,7 +92,7 @@ inline std::optional<SeparatingFace> separating_face(std::span<const BodyPart> p
     for (std::size_t k = 0; k < boxes; ++k) {
         const std::size_t of = k * parts.size() / boxes;
         for (int face = 0; face < 6; ++face) {
-            const PlaneInCell plane = face_of_box(parts[of].box, face, parts[of].cell);
+            const LocalPlane plane = face_of_box(parts[of].box, face, parts[of].cell);
             int cut = 0, in_front = 0;
             for (std::size_t i = 0; i < parts.size(); ++i) {
                 if (i == of) continue;

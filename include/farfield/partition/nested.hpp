@@ -16,15 +16,15 @@ namespace farfield {
 template <class T>
 concept OctantsWithoutData = PlacesItems<T> && T::facts.children_are_octants&& std::is_empty_v<typename T::node_data>;
 
-/// Cubes of Outer, cut at their median planes while they hold more than `largest_leaf` items and no more than every
-/// second one is cut (what is as large as its cube would be for ever), each divided on by Inner.
-/// What lies in a median plane goes to its upper side, which keeps Inner's order strict: seen from there it is among
-/// what is in front of the other side, seen from the other side it comes after it.
+/// Outer's cubes are cut at their median planes while they hold more than `largest_leaf` items of which at most half
+/// are cut: items as large as their cube would be cut forever. Inner divides each of the cubes that are left. Polygons
+/// in a median plane go to its upper side, which keeps Inner's order strict: a viewer on that side sees them before the
+/// lower side, and a viewer on the lower side sees them after it.
 template <OctantsWithoutData Outer, CutsItems Inner>
 struct Nested {
     Outer outer{};
     Inner inner{};
-    /// A cube of no more items is left to Inner.
+    /// A cube of at most this many items is left to Inner.
     std::uint32_t largest_leaf = 1024;
 
     struct node_data {
@@ -39,7 +39,7 @@ struct Nested {
     Cell root(const Box& bounds) const { return bounds.is_empty() ? Cell{} : tight(outer.root(bounds)); }
 
     Split choose(const Cell& cell, const ClippedItems& items, node_data& data) const {
-        data.is_inner = cell.stage != 0 || !may_halve(cell, items);
+        data.is_inner = cell.partition_state != 0 || !may_halve(cell, items);
         return data.is_inner ? inner.choose(inner_cell(cell), items, data.inner) : Split::always;
     }
 
@@ -62,7 +62,7 @@ struct Nested {
     Cell child(const Cell& parent, const node_data& data, unsigned i) const {
         if (!data.is_inner) return tight(outer.child(parent, {}, i));
         Cell cell = inner.child(inner_cell(parent), data.inner, i);
-        ++cell.stage;
+        ++cell.partition_state;
         return cell;
     }
 
@@ -77,13 +77,14 @@ struct Nested {
     bool is_sound(const node_data& data) const { return data.is_inner <= 1 && inner.is_sound(data.inner); }
 
   private:
-    /// Stage 0 is the outer partition's, or the first cell of the inner one; the inner one's own are counted from 1.
+    /// A state of 0 means a cell of Outer or the first one of Inner; others are Inner's own state and 1.
     static Cell inner_cell(Cell cell) {
-        if (cell.stage != 0) --cell.stage;
+        if (cell.partition_state != 0) --cell.partition_state;
         return cell;
     }
 
-    /// Nothing sticks out of a cube, but the steps of single precision: their centers may be off by one a level.
+    /// Nothing sticks out of a cube by more than the steps of single precision, by one of which its center may be off
+    /// for every level.
     static Cell tight(Cell cube) {
         cube.bounds_center = cube.center;
         cube.bounds_half = cube.half + (glm::abs(cube.center) + cube.half) * 0x1p-19f;
@@ -96,17 +97,17 @@ struct Nested {
         const Split answer = outer.choose(cell, std::span<const Item>(), nothing);
         if (answer != Split::yes && answer != Split::always) return false;
         const Cuts median = cuts(cell, node_data{{}, 0});
-        // A sample tells the cuts. Where an instance is in the way the inner partition may find a way around it.
+        // Cuts are counted in a sample. Where an instance is in the way Inner may find a way around it.
         const std::size_t polygons = items.size() - items.instances(), sampled = std::min<std::size_t>(polygons, 256);
         std::size_t cut = 0;
         for (const CuttingPlane& plane : median.planes) {
-            const PlaneInCell in_cell(plane, cell);
+            const LocalPlane local_plane(plane, cell);
             for (std::size_t i = 0; i < items.instances(); ++i) {
-                if (items.relation(i, plane, in_cell, cell) == PlaneRelation::crossing) return false;
+                if (items.relation(i, plane, local_plane, cell) == PlaneRelation::crossing) return false;
             }
             for (std::size_t k = 0; k < sampled; ++k) {
                 const std::size_t i = items.instances() + k * polygons / sampled;
-                cut += items.relation(i, plane, in_cell, cell) == PlaneRelation::crossing;
+                cut += items.relation(i, plane, local_plane, cell) == PlaneRelation::crossing;
             }
         }
         return 2 * cut <= sampled;

@@ -13,23 +13,24 @@
 
 namespace farfield {
 
-/// Which primitives a cell gets is part of the type, since it decides what a frame has to do:
+/// The type says which primitives a cell gets, since that decides what a frame has to do:
 ///
 /// `unique` (default, "loose"): a primitive no larger than the cell goes to the cell of its center and may stick out by
 /// half the cell's side; larger ones stay with an ancestor. Cells are culled by bounds twice their size. Every
 /// primitive is stored once and a subtree's primitives are one range.
 ///
 /// `shared`: a primitive goes to every cell that it touches (the papers' way), is drawn once a frame by stamps, and its
-/// cost is shared among its cells. It costs broken runs and more indices; the bench has the figures.
+/// cost is shared among its cells. The price is broken runs and more indices; bench/ has the figures.
 template <Assignment assigned>
 struct BasicOctree {
     static_assert(assigned == Assignment::unique || assigned == Assignment::shared,
                   "farfield::BasicOctree: an octree does not clip");
 
-    /// Levels below the root; raising it lets crowded places be split further. Cells that single precision cannot tell
-    /// apart are never split, whatever it says.
+    /// Most levels below the root; raising it lets crowded places be split further. Cells whose halves single precision
+    /// cannot tell apart are never split.
     std::uint32_t max_depth = 32;
-    /// 0: adaptive, as the cost model says. Otherwise every cell that is not empty is split to this depth (1995).
+    /// 0: cells are split where the cost model says that it pays. Otherwise every cell that is not empty is split to
+    /// this depth (1995).
     std::uint32_t uniform_depth = 0;
 
     struct node_data {};
@@ -82,7 +83,7 @@ struct BasicOctree {
         return cell(parent.center + side, half, std::uint16_t(parent.depth + 1));
     }
 
-    /// The octant nearest to the viewer first; octants that differ in one more bit lie behind.
+    /// The octant nearest to the viewer comes first; octants that differ in one more bit lie behind.
     void front_to_back(const Cell& cell, const node_data&, glm::vec4 viewpoint, ChildOrder& order) const {
         const glm::vec3 v = glm::vec3(viewpoint) - cell.center * viewpoint.w;
         const unsigned nearest = unsigned(v.x > 0) | unsigned(v.y > 0) << 1 | unsigned(v.z > 0) << 2;

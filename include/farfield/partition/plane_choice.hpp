@@ -1,4 +1,4 @@
-// Where to cut a cell of polygons: of a few dozen planes the one that cuts little and divides evenly.
+// The plane that cuts a cell of polygons: of a few dozen candidates one that cuts little and divides evenly.
 #pragma once
 
 #include <algorithm>
@@ -32,12 +32,12 @@ class PlaneChoice {
             candidates_[i].price = price(candidates_[i].plane, least);
             least = std::min(least, candidates_[i].price);
             if (least <= 0 && divides(candidates_[i].plane)) {
-                // Nothing is cut and the sides are even.
+                // Nothing is cut and the sides are even: no plane is better.
                 chosen = candidates_[i].plane;
                 return true;
             }
         }
-        // Mostly the first one will do, so there is no point in sorting.
+        // The first one mostly divides, so there is no point in sorting.
         for (std::size_t tried = 0; tried < count_; ++tried) {
             Candidate& best =
                 *std::min_element(candidates_.begin(), candidates_.begin() + std::ptrdiff_t(count_),
@@ -82,7 +82,7 @@ class PlaneChoice {
         if (instances != 0) gather_between_instances();
         const std::size_t planes = std::min(polygons, most_planes_of_polygons);
         for (std::size_t i = 0; i < planes; ++i) add(items_.plane_of(instances + i * polygons / planes, cell_));
-        // Six faces of each box where there are few, else one face of each of many.
+        // Few boxes give six faces each, many give one each.
         const std::size_t faces = std::min(6 * n, most_faces);
         for (std::size_t i = 0; i < faces; ++i) {
             const Box& box = items_[i * n / faces].bounds;
@@ -91,7 +91,8 @@ class PlaneChoice {
         }
     }
 
-    /// Planes that pass between them, nearest to the middle of their number, and the faces of what is around all.
+    /// Adds planes that pass between instances, those first that halve their number best, and the faces of the box
+    /// around all of them.
     void gather_between_instances() {
         const std::size_t count = items_.instances();
         Box around = Box::empty();
@@ -116,7 +117,8 @@ class PlaneChoice {
         }
     }
 
-    /// In single precision and about the cell's center, with eight corners at most: prices may be a little off.
+    /// A sampled item in single precision about the cell's center, with eight corners at most: prices may be a little
+    /// off.
     struct Sampled {
         glm::vec3 center, half;
         std::uint32_t first_corner, corners;
@@ -133,9 +135,9 @@ class PlaneChoice {
         }
     }
 
-    /// Infinity as soon as it is more than `limit`.
+    /// The price of a plane; almost infinity as soon as it is more than `limit`.
     float price(const CuttingPlane& plane, float limit) const {
-        const auto tolerance = float(PlaneInCell(plane, cell_).tolerance());
+        const auto tolerance = float(LocalPlane(plane, cell_).tolerance());
         const glm::vec3 normal = plane.normal, size = glm::abs(normal);
         int cut = 0, on = 0, balance = 0;
         for (std::size_t i = 0; i < sampled_; ++i) {
@@ -154,7 +156,7 @@ class PlaneChoice {
                 }
                 const bool behind = lowest<-tolerance, in_front = highest> tolerance;
                 if (behind && in_front) {
-                    // Of what is left all may lie on the plane.
+                    // All that are left may lie on the plane.
                     if (price_of_cut_ * float(++cut) - float(on) - float(sampled_ - i) > limit) return infinity_but_one;
                 } else {
                     balance += int(in_front) - int(behind);
@@ -162,16 +164,16 @@ class PlaneChoice {
                 }
             }
         }
-        // What lies on the plane is done with.
+        // Items on the plane need no further cuts.
         return price_of_cut_ * float(cut) + float(std::abs(balance)) - float(on);
     }
 
     /// Whether each side gets fewer items than there are, and no instance is cut.
     bool divides(const CuttingPlane& plane) const {
-        const PlaneInCell in_cell(plane, cell_);
+        const LocalPlane local_plane(plane, cell_);
         bool some_not_behind = false, some_not_in_front = false;
         for (std::size_t i = 0; i < items_.size(); ++i) {
-            const PlaneRelation relation = items_.relation(i, plane, in_cell, cell_);
+            const PlaneRelation relation = items_.relation(i, plane, local_plane, cell_);
             if (i < items_.instances()) {
                 if (relation == PlaneRelation::crossing) return false;
             } else if (some_not_behind && some_not_in_front) {

@@ -16,17 +16,17 @@
 
 namespace farfield {
 
-/// Every cell but the last is cut by a plane into what lies behind it, on it and in front of it, in that order of
-/// children; a leaf holds one piece, or some that lie in one plane, and what no plane tells from an instance.
+/// A plane cuts every inner cell into three children: behind it, on it and in front of it. A leaf holds one piece, or
+/// pieces that lie in one plane, and items that no plane tells from an instance.
 struct PolygonBsp {
-    /// Levels below the root. Cells that reach it are not in order; the report counts them.
+    /// Most levels below the root. Cells that reach it are not in order; the report counts them.
     std::uint32_t max_depth = 500;
-    /// A plane's price: so many times the pieces it cuts, plus by how many one side has more than the other. Measured
-    /// with 8, 16, 20: an office building gets 38, 27, 24 % more pieces than polygons, leaves of a tree 215, 235, 240
-    /// %.
+    /// A plane's price is this times the pieces that it cuts, plus by how many one side has more than the other.
+    /// Measured with 8, 16 and 20: an office building gets 38, 27 and 24 % more pieces than polygons, leaves of a tree
+    /// 215, 235 and 240 %.
     float price_of_cut = 16;
 
-    /// The plane, and the bounds of what is behind and in front in 1/255 of the cell's own, rounded outwards.
+    /// The plane, and the bounds of the children behind and in front in 1/255 of the cell's own, rounded outwards.
     struct node_data {
         CuttingPlane plane;
         std::array<glm::u8vec3, 2> lower, upper;
@@ -47,7 +47,7 @@ struct PolygonBsp {
     }
 
     Split choose(const Cell& cell, const ClippedItems& items, node_data& data) const {
-        if (cell.stage == flat || items.need_no_order(cell)) return Split::no;
+        if (cell.partition_state == flat || items.need_no_order(cell)) return Split::no;
         if (cell.depth >= max_depth) return Split::too_deep;
         return detail::choose_plane(cell, items, price_of_cut, data.plane) ? Split::always : Split::inseparable;
     }
@@ -76,7 +76,7 @@ struct PolygonBsp {
     }
 
     Cell child(const Cell& parent, const node_data& data, unsigned i) const {
-        // Cells are written where they are read, number by number: to copy them at once would wait for that.
+        // Cells are written where they are read, number by number: to copy one whole would wait for all of it.
         Cell cell;
         if (i == on) {
             cell = parent;
@@ -90,15 +90,14 @@ struct PolygonBsp {
             }
         }
         cell.depth = std::uint16_t(parent.depth + 1);
-        // What lies on one plane may, up to rounding, not lie on that of any of the pieces: it is done with all the
-        // same.
-        cell.stage = i == on ? flat : parent.stage;
+        // Pieces on the plane may, after rounding, lie on that of none of them. They are still not divided further.
+        cell.partition_state = i == on ? flat : parent.partition_state;
         return cell;
     }
 
-    /// The viewer's side first, then what lies on the plane. A viewer on the plane sees it on edge.
+    /// The viewer's side comes first, then the pieces on the plane. A viewer on the plane sees it on edge.
     void front_to_back(const Cell& cell, const node_data& data, glm::vec4 viewpoint, ChildOrder& order) const {
-        const bool is_in_front = PlaneInCell(data.plane, cell).height(viewpoint) > 0;
+        const bool is_in_front = LocalPlane(data.plane, cell).height(viewpoint) > 0;
         order = {std::uint8_t(is_in_front ? in_front : behind),
                  on,
                  std::uint8_t(is_in_front ? behind : in_front),
@@ -109,7 +108,7 @@ struct PolygonBsp {
                  7};
     }
 
-    /// For storage/: any plane and any bounds can be walked.
+    /// Any finite plane and any bounds can be walked.
     bool is_sound(const node_data& data) const {
         const glm::vec4 plane(data.plane.normal, data.plane.offset);
         return std::isfinite(plane.x) && std::isfinite(plane.y) && std::isfinite(plane.z) && std::isfinite(plane.w);
@@ -122,7 +121,7 @@ struct PolygonBsp {
         return step == 0 ? from : step == 255 ? to : from + (to - from) * (float(step) * (1.0f / 255));
     }
 
-    /// A step wider than the box, so that center and half side, rounded, hold it.
+    /// Makes the cell a step wider than the box, so that center and half side hold it after rounding.
     static void put_around(float lower, float upper, int axis, Cell& cell) {
         const float center = Box{glm::vec3(lower), glm::vec3(upper)}.center().x;
         cell.center[axis] = cell.bounds_center[axis] = center;

@@ -13,11 +13,11 @@
 
 namespace farfield {
 
-/// `hierarchy` and `primitives` are borrowed and outlive the instance; they are what a Viewer of them would get. P may
-/// be a type that holds instances of the same H, so that one type serves any depth (see the README).
+/// `hierarchy` and `primitives` are borrowed and outlive the instance; a Viewer would get the same. P may be a type
+/// that holds instances of the same H, so that one type serves any depth (see the README).
 ///
-/// What it offers to the hierarchy it is put into: bounds of its whole contents; the work of drawing it, not of all it
-/// holds; and as polygons the six faces of its root's stand-in, turned (or, without one, of its contents).
+/// The hierarchy that holds it sees the bounds of its whole contents, the work of drawing it where it is small, and the
+/// polygons of its root's stand-in (or, without one, of its contents), turned.
 template <class H, class P>
 struct Instance {
     const H* hierarchy = nullptr;

@@ -1,5 +1,4 @@
-// Two ready-made primitives, and the example of how a type of your own plugs in by members (see
-// primitive.hpp).
+// Two ready-made primitives, which also show how a type of your own plugs in by members (see primitive.hpp).
 #pragma once
 
 #include <array>
@@ -13,7 +12,7 @@
 
 namespace farfield {
 
-/// Not finite as soon as one coordinate is not: minimum and maximum alone may lose a NaN.
+/// The bounds of a triangle, not finite if one coordinate is not: minimum and maximum alone may lose a NaN.
 inline Box bounds_of(const std::array<glm::vec3, 3>& v) {
     const glm::vec3 zero = v[0] * 0.0f + v[1] * 0.0f + v[2] * 0.0f;
     return {glm::min(v[0], glm::min(v[1], v[2])) + zero, glm::max(v[0], glm::max(v[1], v[2])) + zero};
@@ -35,7 +34,7 @@ struct Triangle {
 };
 static_assert(sizeof(Triangle) == 40);
 
-/// A triangle with a color at each vertex, interpolated perspectively right between them.
+/// A triangle with a color at each vertex, interpolated in perspective between them.
 struct VertexColoredTriangle {
     std::array<glm::vec3, 3> vertices{};
     std::array<Rgba8, 3> rgba{};

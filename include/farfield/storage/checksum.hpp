@@ -1,4 +1,4 @@
-// The 64-bit hash that tells a damaged file: XXH64 by Yann Collet, after its published specification
+// The 64-bit hash by which a damaged file is found: XXH64 by Yann Collet, after its published specification
 // (github.com/Cyan4973/xxHash, doc/xxhash_spec.md). It finds accidents; it is no protection from a forger.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace farfield::detail {
 
 class Xxh64 {
   public:
-    /// Seed 0. Of a machine's own byte order: files of the other one are refused before it is asked.
+    /// The hash with seed 0, in the machine's own byte order: files of the other order are refused before.
     static std::uint64_t of(std::span<const std::byte> bytes) {
         const std::byte* p = bytes.data();
         std::size_t left = bytes.size();

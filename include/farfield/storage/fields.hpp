@@ -100,7 +100,7 @@ constexpr std::size_t bytes_of_tied(std::type_identity<std::tuple<F&...>>) {
     return sum;
 }
 
-/// Without padding; not_numbers if there is anything else in it.
+/// Size of all numbers in a T, without padding; not_numbers if it holds anything else.
 template <class T>
 constexpr std::size_t bytes_of_numbers() {
     if constexpr (std::is_empty_v<T>) {
@@ -122,7 +122,7 @@ constexpr std::size_t bytes_of_numbers() {
 template <class T>
 concept MadeOfNumbers = bytes_of_numbers<T>()
 != not_numbers;
-/// May lie in a file as it lies in memory.
+/// A record that may lie in a file as it lies in memory.
 template <class T>
 concept WithoutPadding = std::is_empty_v<T> || bytes_of_numbers<T>()
 == sizeof(T);
@@ -154,7 +154,7 @@ std::vector<std::byte> bytes_of(const T& v) {
     return bytes;
 }
 
-/// False if a byte is no value of a bool. There are as many bytes as bytes_of() gives.
+/// Reads as many bytes as bytes_of() gives. False if a bool is neither 0 nor 1.
 template <MadeOfNumbers T>
 bool read_numbers(std::span<const std::byte> bytes, T& v) {
     bool good = true;

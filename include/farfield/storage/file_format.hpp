@@ -1,15 +1,15 @@
-// What lies where in a hierarchy's file, and what policies must answer to be stored.
+// The layout of a hierarchy's file, and the questions that policies must answer to be stored.
 //
-// Version 2, which added fragments. Numbers are in the byte order of the machine that wrote them, of which `byte_order`
-// tells; a machine of the other order refuses the file.
+// This is version 2, which added fragments. Numbers are in the byte order of the machine that wrote them, which
+// `byte_order` tells; a machine of the other order refuses the file.
 //
 //     0    FileHeader, 624 bytes
 //     640  sections, each at the next multiple of 64 bytes; bytes between them are 0; nothing follows the last
 //
 //     section                 records                               bytes a record
 //     partition_options       1, or 0 if the policy is empty        its numbers (storage/fields.hpp), no padding
-//     approximation_options   likewise
-//     cost_options            likewise
+//     approximation_options   the same
+//     cost_options            the same
 //     nodes                   at least 1, the root first            16
 //     node_data               as many as nodes, or 0 if empty       sizeof Partition::node_data
 //     stand_ins               of nodes that have one, in order      sizeof Approximation::stand_in_data
@@ -50,6 +50,11 @@ concept ChecksPool = requires(const A& a, const typename A::stand_in_data& data,
                               std::span<const typename A::pool_element> pool) {
     { a.is_sound(data, pool) } -> std::same_as<bool>;
 };
+/// Says whether a stand-in's data may be drawn: for approximations without a pool some of whose values mean nothing.
+template <class A>
+concept ChecksStandIns = requires(const A& a, const typename A::stand_in_data& data) {
+    { a.is_sound(data) } -> std::same_as<bool>;
+};
 namespace detail {
 template <class Partition_>
 concept ChecksNodeDataIfAny = std::is_empty_v<typename Partition_::node_data> || ChecksNodeData<Partition_>;
@@ -84,7 +89,7 @@ inline constexpr std::size_t most_levels_in_files = 1024;
 
 namespace detail {
 
-/// The first byte is no text, the line ends are damaged by whatever damages line ends (after PNG's signature).
+/// The first byte is not text, and programs that damage line ends damage these (after PNG's signature).
 inline constexpr std::array<std::uint8_t, 8> file_magic{0x89, 'F', 'F', 'H', '\r', '\n', 0x1a, '\n'};
 inline constexpr std::uint32_t file_version = 2;
 inline constexpr std::uint32_t file_byte_order = 0x01020304u;
@@ -136,7 +141,7 @@ struct FileHeader {
     std::uint64_t file_bytes = 0;
     std::array<SectionEntry, section_count> sections{};
     HierarchyFacts facts;
-    std::uint64_t checksum = 0;  ///< XXH64 of what comes before it
+    std::uint64_t checksum = 0;  ///< XXH64 of all bytes of the header before it
 };
 
 // A change of any of these is a new file_version.
@@ -149,7 +154,7 @@ constexpr std::uint64_t next_section(std::uint64_t offset) {
     return (offset + section_alignment - 1) / section_alignment * section_alignment;
 }
 
-/// Of H's records; what files must agree with.
+/// Bytes of a record of H in each section, which files must agree with.
 template <class H>
 constexpr std::array<std::uint64_t, section_count> record_bytes() {
     return {bytes_of_numbers<typename H::partition_type>(),

@@ -1,4 +1,4 @@
-// A whole file as bytes in memory: mapped where the system can, else read.
+// A whole file as bytes in memory: mapped where the system can do that, else read.
 #pragma once
 
 #include <cerrno>
@@ -35,7 +35,7 @@ inline std::string system_message(int error) {
     return std::generic_category().message(error);
 }
 
-/// Aligned to 64 bytes at least. `memory` keeps `bytes` alive.
+/// Bytes aligned to 64 at least. `memory` keeps them alive.
 struct FileBytes {
     std::shared_ptr<const void> memory;
     std::span<const std::byte> bytes;
@@ -51,7 +51,7 @@ inline FileBytes aligned_copy(std::span<const std::byte> bytes) {
     return {lines, {reinterpret_cast<const std::byte*>(lines->data()), bytes.size()}};
 }
 
-/// Throws std::runtime_error, also for what is no regular file.
+/// Throws std::runtime_error if the file cannot be read or is not a regular one.
 inline FileBytes file_bytes(const std::filesystem::path& path) {
 #if FARFIELD_MAPS_FILES
     struct Descriptor {
@@ -60,12 +60,12 @@ inline FileBytes file_bytes(const std::filesystem::path& path) {
             if (number >= 0) ::close(number);
         }
     };
-    // Not blocking: a pipe without a writer would keep open() for good.
+    // Without O_NONBLOCK a pipe without a writer would keep open() forever.
     const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     struct ::stat status {};
     if (file.number < 0 || ::fstat(file.number, &status) != 0) refuse_file("open", path, system_message(errno));
     if (S_ISDIR(status.st_mode)) refuse_file("open", path, "is a directory");
-    if (!S_ISREG(status.st_mode)) refuse_file("open", path, "is no regular file");
+    if (!S_ISREG(status.st_mode)) refuse_file("open", path, "is not a regular file");
     if (std::uint64_t(status.st_size) > std::numeric_limits<std::size_t>::max()) {
         refuse_file("open", path, "does not fit this machine's addresses");
     }

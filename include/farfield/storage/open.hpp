@@ -22,8 +22,8 @@
 namespace farfield {
 
 struct OpenOptions {
-    /// Of the sections, which reads the whole file once. The header's is always verified, and so is the structure: a
-    /// damaged file that slips through may give a wrong picture and no more.
+    /// Whether to verify the sections' checksums, which reads the whole file once. The header's is always verified, and
+    /// so is the structure: a damaged file that slips through may give a wrong picture and no more.
     bool verify_checksums = true;
 };
 
@@ -43,15 +43,15 @@ inline std::string wrong_tag(const char* policy, std::uint32_t expected, std::ui
            tag_name(found);
 }
 
-/// Empty if a header of this version lies in front.
+/// The reason to refuse the header; empty if it is one of this version.
 inline std::string wrong_header(std::span<const std::byte> bytes, FileHeader& header) {
     if (bytes.empty()) return "is empty";
     const std::size_t compared = std::min(bytes.size(), file_magic.size());
-    if (std::memcmp(bytes.data(), file_magic.data(), compared) != 0) return "is no hierarchy of farfield's";
+    if (std::memcmp(bytes.data(), file_magic.data(), compared) != 0) return "is not a farfield hierarchy";
     std::memcpy(&header, bytes.data(), std::min(bytes.size(), sizeof header));
     if (bytes.size() >= 16) {
         if (header.byte_order == 0x04030201u) return "was saved on a machine of the other byte order";
-        if (header.byte_order != file_byte_order) return "is damaged: its byte order is none";
+        if (header.byte_order != file_byte_order) return "is damaged: its byte order is unknown";
         if (header.version != file_version) {
             return "has format version " + std::to_string(header.version) + ", this program reads version " +
                    std::to_string(file_version);
@@ -67,7 +67,7 @@ inline std::string wrong_header(std::span<const std::byte> bytes, FileHeader& he
     return header.header_bytes == sizeof header ? "" : "is damaged: its header has another size";
 }
 
-/// Empty if the sections lie in the file as save() lays them.
+/// The reason to refuse the sections; empty if they lie in the file as save() lays them.
 inline std::string wrong_sections(std::span<const std::byte> bytes, const FileHeader& header,
                                   const std::array<std::uint64_t, section_count>& record_bytes, bool verify) {
     if (header.file_bytes != bytes.size()) {
@@ -86,7 +86,7 @@ inline std::string wrong_sections(std::span<const std::byte> bytes, const FileHe
         if (s.offset != next_section(end)) return damaged(" lies in the wrong place");
         if (s.record_bytes == 0 && s.count != 0) return damaged(" should take no space");
         if (i <= std::size_t(Section::cost_options) && s.count != (record_bytes[i] != 0 ? 1 : 0)) {
-            return damaged(" is there more or less than once");
+            return damaged(" is not there exactly once");
         }
         if (s.count == 0) {
             if (s.checksum != Xxh64::of({})) return damaged(" is empty and its checksum is not");
@@ -114,7 +114,7 @@ std::span<const T> records_in(std::span<const std::byte> bytes, const SectionEnt
     return {reinterpret_cast<const T*>(bytes.data() + s.offset), std::size_t(s.count)};
 }
 
-/// `where` is what messages call the file.
+/// Messages call the file `where`.
 template <Storable H>
 H open_bytes(const FileBytes& file, const std::filesystem::path& where, const OpenOptions& options) {
     using Partition_ = typename H::partition_type;
@@ -166,16 +166,16 @@ H open_bytes(const FileBytes& file, const std::filesystem::path& where, const Op
 /// mapping, which goes with the last of them; save() may replace the file meanwhile, but do not change it in place or
 /// cut it short. Viewers check that they are given the primitives it was built from.
 ///
-/// Throws std::runtime_error, "farfield::open: FILE: reason", for whatever is wrong with the file: everything is
-/// checked, so that no file whatever makes a frame read outside of its arrays.
+/// Throws std::runtime_error, "farfield::open: FILE: reason", if anything is wrong with the file: everything is
+/// checked, so that no file makes a frame read outside of its arrays.
 template <Storable H>
 H open(const std::filesystem::path& path, const OpenOptions& options = {}) {
     return detail::open_bytes<H>(detail::file_bytes(path), path, options);
 }
 
-/// As above, from the bytes of such a file. They are used where they lie, unless they do not begin at a multiple of 64
-/// bytes: then they are copied. Used where they lie they must stay as they are, either for as long as the hierarchy and
-/// its copies live, or because `memory` owns them.
+/// Opens the bytes of such a file. They are used where they lie, unless they do not begin at a multiple of 64 bytes:
+/// then they are copied. Where they are not, they must stay as they are as long as the hierarchy and its copies live;
+/// `memory` may own them.
 template <Storable H>
 H open(std::span<const std::byte> bytes, const OpenOptions& options = {}, std::shared_ptr<const void> memory = {}) {
     if (reinterpret_cast<std::uintptr_t>(bytes.data()) % detail::section_alignment != 0) {

@@ -1,5 +1,4 @@
-// A hierarchy into a file or a buffer: see storage/file_format.hpp for what is in it, storage/open.hpp for the way
-// back.
+// Writes a hierarchy into a file or a buffer. storage/file_format.hpp says what is in it; storage/open.hpp reads it.
 #pragma once
 
 #include <algorithm>
@@ -58,7 +57,7 @@ class ReplacingFile {
     void replace_target() {
         bool written = std::fflush(file_) == 0;
 #if FARFIELD_MAPS_FILES
-        // Else the name could reach the disk before the contents do.
+        // Without this the name could reach the disk before the contents do.
         written = written && ::fsync(::fileno(file_)) == 0;
 #endif
         if (!written) fail("cannot write");
@@ -80,8 +79,8 @@ class ReplacingFile {
     bool is_done_ = false;
 };
 
-/// What save() writes: a header and sections, which are the hierarchy's own arrays. Throws std::runtime_error that
-/// names `where` if the hierarchy cannot be stored.
+/// The bytes that save() writes: a header and sections, which are the hierarchy's own arrays. Throws std::runtime_error
+/// that names `where` if the hierarchy cannot be stored.
 template <Storable H>
 class FileContents {
   public:
@@ -120,7 +119,7 @@ class FileContents {
 
     std::size_t size() const { return std::size_t(header_.file_bytes); }
 
-    /// Calls write(bytes) with all of it, in order.
+    /// Calls write(bytes) with all parts of the file, in order.
     template <class Write>
     void write(Write&& write) const {
         write(std::as_bytes(std::span(&header_, 1)));
@@ -147,9 +146,9 @@ class FileContents {
 
 }  // namespace detail
 
-/// Writes beside `path` and renames, so that there is the old file or the whole new one, never a part; who has the old
-/// one open keeps it. Equal hierarchies give equal files. Throws std::runtime_error that names the file and the reason;
-/// nothing is left behind then.
+/// Writes beside `path` and renames, so that there is the old file or the whole new one, never a part. Programs that
+/// have the old one open keep it. Equal hierarchies give equal files. Throws std::runtime_error that names the file and
+/// the reason; nothing is left behind then.
 template <Storable H>
 void save(const H& hierarchy, const std::filesystem::path& path) {
     const detail::FileContents<H> contents(hierarchy, path);
@@ -158,13 +157,13 @@ void save(const H& hierarchy, const std::filesystem::path& path) {
     file.replace_target();
 }
 
-/// How many bytes save() writes.
+/// The number of bytes that save() writes.
 template <Storable H>
 std::size_t saved_size(const H& hierarchy) {
     return detail::FileContents<H>(hierarchy, "memory").size();
 }
 
-/// The bytes of the file, into memory. Throws std::invalid_argument unless there are saved_size(hierarchy) bytes of it.
+/// Writes the bytes of the file to memory. Throws std::invalid_argument unless that has saved_size(hierarchy) bytes.
 template <Storable H>
 void save(const H& hierarchy, std::span<std::byte> memory) {
     const detail::FileContents<H> contents(hierarchy, "memory");

@@ -1,5 +1,5 @@
-// May a Viewer walk these arrays? A checksum finds accidents only; who writes files on purpose can have it agree. So
-// the whole structure is checked before a hierarchy from a file is used, and before one is saved.
+// May a Viewer walk these arrays? A checksum finds accidents only: a forger can make it agree. So the whole structure
+// is checked before a hierarchy from a file is used, and before one is saved.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace farfield::detail {
 
 /// Nodes and stand-ins are numbered in one way only (see Node): walking the tree in that order meets each just once, so
-/// there is neither a circle nor a node with two parents, and positions of items never fall. Null if it is so.
+/// there is neither a circle nor a node with two parents, and positions of items never fall. Returns null if it is so.
 inline const char* unsound_nodes(std::span<const Node> nodes, std::uint32_t item_count, std::uint64_t stand_ins,
                                  bool root_has_stand_in) {
     struct Siblings {
@@ -35,7 +35,7 @@ inline const char* unsound_nodes(std::span<const Node> nodes, std::uint32_t item
         const Node& node = nodes[path.back().next++];
         if (node.first_item < item || node.first_item > item_count) return "a node's items are out of order";
         item = node.first_item;
-        if (node.levels_replaced > 1) return "a stand-in reaches further than any does";
+        if (node.levels_replaced > 1) return "a stand-in replaces more than one level";
         if ((node.stand_in_mask & ~node.child_mask) != 0) return "a stand-in belongs to a child that does not exist";
         if (const auto count = unsigned(std::popcount(node.stand_in_mask)); count != 0) {
             if (node.first_child_data != next_stand_in) return "stand-ins are out of order";
@@ -48,7 +48,7 @@ inline const char* unsound_nodes(std::span<const Node> nodes, std::uint32_t item
             path.push_back({node.first_child, node.first_child + count});
         }
     }
-    if (next_node != nodes.size()) return "it has nodes that belong to no other";
+    if (next_node != nodes.size()) return "it has nodes without a parent";
     if (next_stand_in != stand_ins) return "it has stand-ins that belong to no node";
     return nullptr;
 }
@@ -57,13 +57,15 @@ inline bool is_finite(glm::vec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// A position has no vertices, as an instance's, or a polygon's.
+/// A position holds the vertices of a polygon, or none where it is an instance's.
 inline const char* unsound_fragments(const Fragments& fragments, std::uint32_t item_count) {
     if (fragments.empty()) {
         if (item_count != 0) return "its fragments are missing";
-        return fragments.vertices.empty() && fragments.colors.empty() ? nullptr : "it has vertices of no fragment";
+        return fragments.vertices.empty() && fragments.colors.empty() ? nullptr
+                                                                      : "it has vertices that belong to no fragment";
     }
-    if (fragments.first_vertex.size() != std::size_t(item_count) + 1) return "it has not as many fragments as items";
+    if (fragments.first_vertex.size() != std::size_t(item_count) + 1)
+        return "it does not have as many fragments as items";
     if (fragments.first_vertex.front() != 0 || fragments.first_vertex.back() != fragments.vertices.size() ||
         fragments.colors.size() != fragments.vertices.size()) {
         return "its fragments do not have as many vertices and colors as there are";
@@ -71,7 +73,7 @@ inline const char* unsound_fragments(const Fragments& fragments, std::uint32_t i
     for (std::size_t i = 0; i < item_count; ++i) {
         const std::uint32_t first = fragments.first_vertex[i], end = fragments.first_vertex[i + 1];
         if (end < first) return "its fragments are out of order";
-        if (end - first == 1 || end - first == 2) return "a fragment has less than three vertices";
+        if (end - first == 1 || end - first == 2) return "a fragment has fewer than three vertices";
     }
     if (!std::all_of(fragments.vertices.begin(), fragments.vertices.end(), is_finite)) {
         return "a fragment's vertex is not finite";
@@ -88,14 +90,14 @@ inline const char* unsound_facts(const HierarchyFacts& facts, std::uint64_t node
         return "the root's cell is not finite";
     }
     const glm::vec3 least = glm::min(root.half, root.bounds_half);
-    if (least.x < 0 || least.y < 0 || least.z < 0) return "the root's cell is less than empty";
+    if (least.x < 0 || least.y < 0 || least.z < 0) return "the root's cell has a negative size";
     if (root.depth != 0) return "the root's depth is not 0";
     if (!facts.bounds.is_empty() && !facts.bounds.is_finite()) return "its bounds are not finite";
     if (facts.report.items > 0xffffffffu || node_count > 0xffffffffu) return "it has more than 2^32 nodes or items";
     return nullptr;
 }
 
-/// What is wrong, or null. `arrays` are those that `facts` speak of.
+/// The reason not to use a hierarchy of these facts and arrays, or null.
 template <class H>
 const char* unsound(const typename H::partition_type& partition, const typename H::approximation_type& approximation,
                     const HierarchyFacts& facts, const typename H::Arrays& arrays) {
@@ -106,11 +108,11 @@ const char* unsound(const typename H::partition_type& partition, const typename 
         return why;
     }
     if (!A::facts.stands_in && !arrays.stand_ins.empty())
-        return "it has stand-ins, of which its approximation has none";
+        return "it has stand-ins, which its approximation does not make";
     if constexpr (!std::is_empty_v<typename H::node_data>) {
         // A hierarchy over nothing is never entered.
         if (arrays.node_data.size() != arrays.nodes.size() && items != 0)
-            return "it has not as many records of node data as nodes";
+            return "it does not have as many records of node data as nodes";
         for (const auto& data : arrays.node_data) {
             if (!partition.is_sound(data)) return "the partition refuses a node's data";
         }
@@ -118,6 +120,10 @@ const char* unsound(const typename H::partition_type& partition, const typename 
     if constexpr (A::facts.has_pool) {
         for (const auto& data : arrays.stand_ins) {
             if (!approximation.is_sound(data, arrays.pool)) return "the approximation refuses a stand-in";
+        }
+    } else if constexpr (ChecksStandIns<A>) {
+        for (const auto& data : arrays.stand_ins) {
+            if (!approximation.is_sound(data)) return "the approximation refuses a stand-in";
         }
     }
     if constexpr (H::assignment == Assignment::clipped) {
@@ -127,7 +133,7 @@ const char* unsound(const typename H::partition_type& partition, const typename 
         return "it has fragments, which its partition does not make";
     }
     if (arrays.order.empty()) return items == facts.primitive_count ? nullptr : "the order of its items is missing";
-    if (arrays.order.size() != items) return "its order has not as many entries as it has items";
+    if (arrays.order.size() != items) return "its order does not have as many entries as there are items";
     if (*std::max_element(arrays.order.begin(), arrays.order.end()) >= facts.primitive_count) {
         return "its order names a primitive that does not exist";
     }

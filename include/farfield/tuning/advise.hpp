@@ -1,5 +1,5 @@
-// Which variant should a scene be drawn with, and at which tolerance? Tries them. Beside calibrate.hpp the only
-// header that looks at a clock.
+// Which variant should a scene be drawn with, and at which tolerance? advise() tries them. No other header than this
+// and calibrate.hpp looks at a clock.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include "farfield/measure/image_error.hpp"
 #include "farfield/measure/projected_rect.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/primitive.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/tuning/variants.hpp"
 #include "farfield/viewer.hpp"
@@ -28,16 +29,16 @@ namespace farfield {
 struct AdviceOptions {
     std::vector<float> tolerances_px{0.5f, 1, 2, 4, 8};
     std::vector<int> samples{1, 4};  ///< a pixel; more samples are another way to be more exact
-    int reference_samples = 64;      ///< a pixel, of what pictures are compared with
-    int repetitions = 7;             ///< of each frame whose time is taken
+    int reference_samples = 64;      ///< a pixel, of the pictures that others are compared with
+    int repetitions = 7;             ///< how often each frame is timed
     ZBufferOptions renderer{};       ///< its samples are not used
-    /// Frames are priced by their counts instead of timed, so that the advice is the same on any machine; a frame with
-    /// more samples costs that many times as much, which is too much.
+    /// If set, frames are priced by their counts instead of timed, so that the advice is the same on any machine. A
+    /// frame with n samples then costs n times as much, which is too much.
     std::optional<MeasuredTime> prices{};
 };
 
 /// One way to draw the scene. Errors are root mean square errors of colors in [0, 1] over the scene's projected
-/// rectangle; of several views the worst.
+/// rectangle, for the worst of several views.
 struct Trial {
     std::string variant;
     float tolerance_px = 0;
@@ -57,18 +58,18 @@ struct Advice {
 
 namespace detail {
 
-/// Views 0, 2, 4 ... are chosen by, the others held out.
+/// Views 0, 2, 4 and so on decide what is cheap; the others are held out.
 inline bool is_held_out(std::size_t view) {
     return view % 2 != 0;
 }
 
-template <class Primitive>
+template <Primitive P>
 class Adviser {
     using Clock = std::chrono::steady_clock;
     using ExactHierarchy = SpatialHierarchy<Octree, Exact, TriangleCount>;
 
   public:
-    Adviser(std::span<const Primitive> primitives, std::span<const View> views, const AdviceOptions& options)
+    Adviser(std::span<const P> primitives, std::span<const View> views, const AdviceOptions& options)
         : primitives_(primitives),
           views_(views),
           options_(options),
@@ -100,7 +101,7 @@ class Adviser {
                 trial.hierarchy_bytes = hierarchy.bytes();
                 try_out(viewer, renderer, trial);
                 trials.push_back(std::move(trial));
-                if constexpr (!V::hierarchy_type::approximation_type::facts.stands_in) break;  // knows no tolerance
+                if constexpr (!V::hierarchy_type::approximation_type::facts.stands_in) break;  // no tolerance matters
             }
         }
     }
@@ -159,12 +160,12 @@ class Adviser {
         return *middle;
     }
 
-    std::span<const Primitive> primitives_;
+    std::span<const P> primitives_;
     std::span<const View> views_;
     const AdviceOptions& options_;
     ExactHierarchy exact_;
     ZBufferRenderer exact_renderer_;
-    Viewer<ExactHierarchy, Primitive, ZBufferRenderer> exact_viewer_;
+    Viewer<ExactHierarchy, P, ZBufferRenderer> exact_viewer_;
     std::vector<Image> references_;
     std::vector<std::optional<PixelRect>> rects_;
 };
@@ -172,14 +173,14 @@ class Adviser {
 }  // namespace detail
 
 /// Tries every variant of a list (variants.hpp) with every tolerance and number of samples, and names the cheapest that
-/// keeps the error on all views, also on those that had no part in finding it cheap: of the views given, the first,
-/// third and so on decide what is cheap. Their tolerances are not used. Draws with the software z-buffer; one hierarchy
-/// exists at a time beside the exact one. Costs are ratios of pairs of frames drawn one after the other.
+/// keeps the error on all views. The first, third and so on of the views decide what is cheap; the others check the
+/// choice. The views' own tolerances are not used. Draws with the software z-buffer; one hierarchy exists at a time
+/// beside the exact one. Costs are ratios of pairs of frames drawn one after the other.
 ///
 /// Throws std::invalid_argument for fewer than two views, an error that is not above 0, or options without a tolerance
-/// or a number of samples, and what build, viewers and renderers throw.
-template <class Primitive, class... V>
-Advice advise(std::span<const Primitive> primitives, std::span<const View> views, double largest_rmse,
+/// or a number of samples, and everything that build, viewers and renderers throw.
+template <Primitive P, class... V>
+Advice advise(std::span<const P> primitives, std::span<const View> views, double largest_rmse,
               const std::tuple<V...>& variants, const AdviceOptions& options = {}) {
     if (views.size() < 2) {
         throw std::invalid_argument("farfield::advise: needs two views at least, one to choose by and one held out");
@@ -188,7 +189,7 @@ Advice advise(std::span<const Primitive> primitives, std::span<const View> views
     if (options.tolerances_px.empty() || options.samples.empty()) {
         throw std::invalid_argument("farfield::advise: the options hold no tolerance or no number of samples to try");
     }
-    detail::Adviser<Primitive> adviser(primitives, views, options);
+    detail::Adviser<P> adviser(primitives, views, options);
     Advice advice;
     for_each_variant(variants, [&](const auto& variant) { adviser.add(variant, advice.trials); });
     std::stable_sort(advice.trials.begin(), advice.trials.end(),

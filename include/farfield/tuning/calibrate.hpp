@@ -1,5 +1,5 @@
-// What each kind of work costs on this machine, with this renderer, measured before a walkthrough starts, as Shade et
-// al. 1996, section 3.3, do. Beside advise.hpp the only header that looks at a clock.
+// Measures the cost of each kind of work on this machine, with this renderer, before a walkthrough starts (Shade et al.
+// 1996, section 3.3). No other header than this and advise.hpp looks at a clock.
 #pragma once
 
 #include <algorithm>
@@ -25,27 +25,27 @@
 namespace farfield {
 
 struct CalibrationOptions {
-    double seconds = 0.6;  ///< about how long frames are measured; scenes to measure them with come on top
-    int repetitions = 51;  ///< of each frame at most; at least 3 are taken, whatever the time
+    double seconds = 0.6;  ///< about how long frames are measured; building scenes for them comes on top
+    int repetitions = 51;  ///< of each frame at most; at least 3 are made, however long they take
 };
 
 namespace detail {
 
-/// Frames of 512 x 512 pixels, of which a unit of length takes one in the plane z = 0.
+/// A view of 512 x 512 pixels, of which a unit of length takes one in the plane z = 0.
 inline constexpr float calibration_half_side = 256;
 inline LocalView calibration_view() {
     const Camera camera{.eye = glm::dvec3(0, 0, calibration_half_side), .half_height = 1};
     return LocalView(View{.camera = camera}, glm::dvec3(0), 4 * calibration_half_side);
 }
 
-/// Where the i-th of n x n things goes that lie `step` apart, row by row about the center.
+/// The place of the i-th of n x n things that lie `step` apart, row by row about the center.
 inline glm::vec3 calibration_place(std::size_t i, std::size_t n, float step) {
     const float first = 0.5f * (step - float(n) * step);
     return {first + float(i % n) * step, first + float(i / n) * step, 0};
 }
 
-/// What the second frame takes longer than the first. They take turns, so that a change of clock rate meets both, and
-/// the median of their differences does not mind interruptions.
+/// The time that the second frame takes beyond the first one's. They take turns, so that a change of clock rate meets
+/// both, and the median of their differences ignores interruptions.
 template <class Frame, class OtherFrame>
 double extra_nanoseconds(const CalibrationOptions& options, Frame&& few, OtherFrame&& many) {
     using Clock = std::chrono::steady_clock;
@@ -70,7 +70,7 @@ double extra_nanoseconds(const CalibrationOptions& options, Frame&& few, OtherFr
     return *middle;
 }
 
-/// No work takes less than a tenth of a nanosecond; what seems to is noise, and a price of 0 would be nonsense.
+/// No work takes less than a tenth of a nanosecond: a smaller price is noise, and 0 would be nonsense.
 inline float price(double nanoseconds, std::size_t count) {
     return float(std::max(nanoseconds / double(count), 0.1));
 }
@@ -91,7 +91,7 @@ class Calibration {
             prices.face = far_field_price<Face>([](glm::vec3 p) {
                 return Face{p - glm::vec3(0.5f, 0.5f, 0), p + glm::vec3(0.5f, 0.5f, 0), Rgba8{60, 60, 60, 120}, 5};
             });
-            prices.splat = stand_in + 3 * prices.face;  // what is drawn where there are none
+            prices.splat = stand_in + 3 * prices.face;  // renderers without splats get faces instead
         }
         if constexpr (R::facts.draws_splats) {
             prices.splat = stand_in + far_field_price<Splat>([](glm::vec3 p) {
@@ -102,7 +102,7 @@ class Calibration {
     }
 
   private:
-    /// Triangles as the renderer knows them.
+    /// Triangles as a source of the renderer, uploaded where it keeps sources.
     class Paged {
       public:
         Paged(R& renderer, std::vector<Triangle> triangles) : renderer_(renderer), triangles_(std::move(triangles)) {
@@ -195,7 +195,7 @@ class Calibration {
         return price(extra_nanoseconds(options_, frame(draw_one), frame(draw_many)), ranges.size());
     }
 
-    /// Things about a pixel wide, side by side: that is when cells stand in, and how they come.
+    /// The price of faces or splats about a pixel wide, side by side: cells stand in when they are that large.
     template <class Drawn, class Make>
     float far_field_price(Make&& make) {
         constexpr std::size_t n = 128;
@@ -209,7 +209,7 @@ class Calibration {
         return price(extra_nanoseconds(options_, frame(draw_few), frame(draw_many)), many.size() - few.size());
     }
 
-    /// Of visiting a cell, and of what an approximation does until its stand-in reaches the renderer.
+    /// The prices of visiting a cell, and of an approximation's own work until its stand-in reaches the renderer.
     std::pair<float, float> cell_and_stand_in_prices() {
         constexpr std::size_t side = 32;
         std::vector<Triangle> scene;
@@ -254,9 +254,9 @@ class Calibration {
 
 }  // namespace detail
 
-/// Prices for builds that are to pay on this machine, with this renderer and its options (samples, light). A renderer
-/// whose end_frame returns before the picture is done must wait in it. What the renderer does not draw, and images and
-/// texels, keep MeasuredTime's defaults; all prices are positive and finite. Leaves another picture in the renderer.
+/// Measures prices for builds that suit this machine, this renderer and its options (samples, light). The renderer's
+/// end_frame must not return before the picture is done. Images, texels, and whatever else the renderer does not draw
+/// keep MeasuredTime's defaults; all prices are positive and finite. Leaves another picture in the renderer.
 template <class R>
 requires Renderer<R, Triangle> MeasuredTime calibrate(R& renderer, const CalibrationOptions& options = {}) {
     return detail::Calibration<R>(renderer, options).prices();

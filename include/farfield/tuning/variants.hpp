@@ -1,5 +1,5 @@
 // Experiments over variants: every composition of some partitions, approximations and cost models, from one
-// compile-time list. What does not compose is left out by the concepts, not by hand.
+// compile-time list. Concepts, not people, leave out what does not compose.
 #pragma once
 
 #include <ranges>
@@ -14,7 +14,7 @@
 
 namespace farfield {
 
-/// A policy and what tables call it. An empty name: the default, not worth mentioning.
+/// A policy and its name in tables. An empty name stands for the default, which is not worth mentioning.
 template <class Policy>
 struct Named {
     std::string_view name;
@@ -34,7 +34,7 @@ struct NamedVariant {
     A approximation;
     C cost_model;
 
-    /// As farfield::build; policies in `options` are replaced by the variant's own.
+    /// Calls farfield::build with the variant's own policies in place of those in `options`.
     template <OrthographicSampler Sampler = GridSampler, detail::ContiguousPrimitives Range>
     requires BuildableFrom<hierarchy_type, std::ranges::range_value_t<Range>> hierarchy_type
     build(const Range& primitives, BuildOptions<hierarchy_type, Sampler> options = {})
@@ -79,7 +79,7 @@ auto variants_of(const std::tuple<Named<Partition_>...>& partitions, const std::
     return std::apply([&](const auto&... a) { return std::tuple_cat(with_approximation(a)...); }, approximations);
 }
 
-/// f(variant) for each, in order.
+/// Calls f(variant) for each, in order.
 template <class... V, class F>
 void for_each_variant(const std::tuple<V...>& variants, F&& f) {
     std::apply([&](const auto&... v) { (f(v), ...); }, variants);

@@ -10,13 +10,13 @@
 
 namespace farfield {
 
-/// Bits of the planes a box still crosses; 0 means it lies inside all of them, and so does everything within it.
+/// Bits of the planes that a box still crosses; 0 means that it lies inside all of them, as does everything in it.
 using PlaneMask = std::uint32_t;
 inline constexpr PlaneMask all_planes = 0b11111;
 inline constexpr PlaneMask outside_a_plane = ~PlaneMask(0);
 
-/// Conservative: a box outside no single plane counts as inside. `mask` names the planes worth testing (Assarsson and
-/// Moller 2000, "plane masking"). Returns the planes still crossed or `outside_a_plane`.
+/// Returns the planes that the box still crosses, or `outside_a_plane`. It is conservative: a box outside no single
+/// plane counts as inside. `mask` names the planes worth testing (Assarsson and Moller 2000, "plane masking").
 inline PlaneMask crossed_planes(const std::array<glm::vec4, 5>& planes, glm::vec3 center, glm::vec3 half,
                                 PlaneMask mask) {
     PlaneMask crossed = 0;

@@ -1,4 +1,4 @@
-// A view expressed in one hierarchy's own coordinates: what policies and renderers see of a frame.
+// A view in one hierarchy's own coordinates, as policies and renderers see it.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct LocalView {
     glm::vec3 up{0, 1, 0};
     glm::vec3 forward{0, 0, -1};
     bool is_perspective = true;
-    /// Perspective: pixels that a length of 1 takes at depth 1. Orthographic: pixels of a local unit of length.
+    /// Pixels that a local unit of length takes: at depth 1 in perspective, anywhere in an orthographic view.
     float focal_px = 1;
     float near_depth = 0;  ///< local units; -infinity: nothing is cut
     float scale = 1;       ///< world units in one local unit of length: multiply depths by it to compare instances
@@ -33,7 +33,7 @@ struct LocalView {
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
-    /// Inside where dot(xyz, p) + w >= 0; left, right, bottom, top, near. Unit normals.
+    /// Left, right, bottom, top, near, with unit normals; a point is inside where dot(xyz, p) + w >= 0.
     std::array<glm::vec4, 5> planes{};
 
     /// `origin` and `diagonal` are the hierarchy's: its coordinates are the user's minus origin.
@@ -74,7 +74,7 @@ struct LocalView {
 
     float depth(glm::vec3 p) const { return glm::dot(p - eye, forward); }
 
-    /// Distance from the eye to the cell as `distance` says; 0 inside, never negative, never NaN.
+    /// Distance from the eye to the cell as `distance` defines it; 0 inside, never negative, never NaN.
     float distance_to(const Cell& cell) const {
         if (distance == DistanceMeasure::depth) {
             return glm::max(0.0f, depth(cell.center) - glm::dot(glm::abs(forward), cell.half));
@@ -89,11 +89,12 @@ struct LocalView {
         return at_distance > 0 ? length * focal_px / at_distance : std::numeric_limits<float>::infinity();
     }
 
-    /// For orders from a viewpoint: w = 1 a point, w = 0 the direction towards an infinitely far viewer.
+    /// The viewpoint that orders are asked for: a point with w = 1, or with w = 0 the direction towards an infinitely
+    /// far viewer.
     glm::vec4 viewpoint() const { return is_perspective ? glm::vec4(eye, 1) : glm::vec4(-forward, 0); }
 
-    /// What the area of something small, seen squarely from the viewer, is multiplied by in the picture, which it meets
-    /// under an angle away from its center. 1 or more; 1 behind the viewer.
+    /// The factor by which the area of something small, seen squarely from the viewer, grows in the picture, which it
+    /// meets at an angle away from its center. 1 or more; 1 behind the viewer.
     float stretch(glm::vec3 p) const {
         const glm::vec3 d = p - eye;
         const float depth = glm::dot(d, forward);

@@ -1,7 +1,6 @@
 #include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -54,7 +53,7 @@ TEST_CASE("what a packed tensor keeps is off by half a step", "[approximation]")
     Random random(71);
     for (int i = 0; i < 20000; ++i) {
         const TensorShape s = random_shape(random);
-        const StoredTensor packed(s);
+        const StoredTensor packed = StoredTensor::packed(s);
         const TensorShape t = packed.unpacked();
         const float largest = largest_of(s);
         bool root = true, vectors = true, places = true, colors = true;
@@ -101,7 +100,8 @@ TEST_CASE("areas of packed tensors are right in the mean", "[approximation]") {
         s.extent = glm::vec3(1);
         s.root = {area * n.x, area * n.y, area * n.z, 0, 0, 0};
         const glm::vec3 w = random.direction();
-        const double off = double(StoredTensor(s).unpacked().area_seen_from(w) - s.area_seen_from(w)) / double(area);
+        const double off =
+            double(StoredTensor::packed(s).unpacked().area_seen_from(w) - s.area_seen_from(w)) / double(area);
         sum += off;
         squares += off * off;
         CHECK(std::abs(off) < 0.06);
@@ -114,7 +114,7 @@ TEST_CASE("packed extremes stay finite", "[approximation]") {
     constexpr float infinity = std::numeric_limits<float>::infinity();
     constexpr float most = std::numeric_limits<float>::max(), least = std::numeric_limits<float>::denorm_min();
     TensorShape nothing;
-    const TensorShape none = StoredTensor(nothing).unpacked();
+    const TensorShape none = StoredTensor::packed(nothing).unpacked();
     CHECK(finite(none));
     CHECK(none.area_seen_from({0, 0, 1}) == 0);
     for (const float v : {0.0f, least, 1e-30f, 1e-12f, 1.0f, 1e9f, 1e30f, most, infinity}) {
@@ -123,7 +123,7 @@ TEST_CASE("packed extremes stay finite", "[approximation]") {
             s.root.fill(sign * v);
             s.facing = s.tone = s.center = s.extent = s.rgb = glm::vec3(sign * v);
             s.error = sign * v;
-            const StoredTensor packed(s);
+            const StoredTensor packed = StoredTensor::packed(s);
             const TensorShape t = packed.unpacked();
             INFO(sign * v);
             CHECK(packed.is_sound());
@@ -144,26 +144,20 @@ TEST_CASE("packed extremes stay finite", "[approximation]") {
 }
 
 TEST_CASE("a law that is none is not sound", "[approximation]") {
-    struct Bits {
-        std::uint64_t first, second;
-    };
     for (std::uint64_t law = 0; law < 4; ++law) {
-        CHECK(std::bit_cast<StoredTensor>(Bits{0, law << 54}).is_sound() == (law != 3));
-        CHECK(std::bit_cast<StoredTensor>(Bits{~0ull, ~0ull ^ (3ull ^ law) << 54}).is_sound() == (law != 3));
+        CHECK((StoredTensor{0, law << 54}).is_sound() == (law != 3));
+        CHECK((StoredTensor{~0ull, ~0ull ^ (3ull ^ law) << 54}).is_sound() == (law != 3));
     }
     CHECK(StoredTensor{}.is_sound());
 }
 
 TEST_CASE("any bits unpack to numbers", "[approximation]") {
-    struct Bits {
-        std::uint64_t first, second;
-    };
     Random random(74);
     for (int i = 0; i < 5000; ++i) {
-        CHECK(finite(std::bit_cast<StoredTensor>(Bits{random.bits(), random.bits()}).unpacked()));
+        CHECK(finite((StoredTensor{random.bits(), random.bits()}).unpacked()));
     }
-    CHECK(finite(std::bit_cast<StoredTensor>(Bits{0, 0}).unpacked()));
-    CHECK(finite(std::bit_cast<StoredTensor>(Bits{~0ull, ~0ull}).unpacked()));
+    CHECK(finite((StoredTensor{0, 0}).unpacked()));
+    CHECK(finite((StoredTensor{~0ull, ~0ull}).unpacked()));
 }
 
 TEST_CASE("a sheet's normal is known, and of what is none there is none", "[approximation]") {
@@ -178,7 +172,7 @@ TEST_CASE("a sheet's normal is known, and of what is none there is none", "[appr
         s.root = {n.x, n.y, n.z, 0, 0, 0};
         if (n.x == 0) s.root = {0, 0, 0, n.y, n.z, 0};
         if (n.x == 0 && n.y == 0) s.root = {0, 0, 0, 0, 0, n.z};
-        const glm::vec3 found = StoredTensor(s).unpacked().sheet_normal();
+        const glm::vec3 found = StoredTensor::packed(s).unpacked().sheet_normal();
         REQUIRE(glm::length(found) > 0);
         CHECK(std::abs(glm::dot(glm::normalize(found), n)) > 0.999f);
     }

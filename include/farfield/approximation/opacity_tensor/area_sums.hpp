@@ -1,4 +1,5 @@
-// What an opacity tensor is made from: sums over a cell's surfaces, and how they become what is stored.
+// Sums over the surfaces in a cell, from which its opacity tensor is made. A parent's sums are the sums
+// of its children's.
 #pragma once
 
 #include <algorithm>
@@ -8,22 +9,26 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <limits>
-#include <numbers>
+#include <glm/vec4.hpp>
+#include <span>
 
 #include "farfield/approximation/opacity_tensor/axis_masks.hpp"
-#include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
+#include "farfield/geometry/box.hpp"
 #include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/clip_triangle.hpp"
+#include "farfield/geometry/polygon.hpp"
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/sampler.hpp"
 
 namespace farfield {
 
-/// What of surfaces adds up: areas A, weighted by alpha, and what goes with them. Lengths are local.
+/// Areas A of surfaces, weighted by alpha, and the quantities that add up with them. Lengths are local.
 struct AreaSums {
     std::array<float, 6> tensor{};  ///< sum of A n n^T: xx, yx, zx, yy, zy, zz
     float area = 0;
     float opaque_area = 0;    ///< as if every alpha were 1
     glm::vec3 normal{0};      ///< sum of A n
-    glm::vec3 along_axes{0};  ///< sum of A |n|: what is seen along each axis if nothing hides anything
+    glm::vec3 along_axes{0};  ///< sum of A |n|: the area seen along each axis if nothing hides anything
     glm::vec3 moment{0};      ///< sum of A times the centroid's distance from the cell's center
     glm::vec3 color{0};       ///< sum of A times the mean color of both sides (of the front, if surfaces are closed)
     /// Sum of A n times half of the luminance that the front has more than the back (the front's, if they are closed).
@@ -42,193 +47,111 @@ struct AreaSums {
     }
 };
 
-/// Of colors as stored (Rec. 709).
+namespace detail {
+
+/// Luminance of a color as stored (Rec. 709).
 inline float luminance(glm::vec3 rgb) {
     return glm::dot(rgb, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
-/// A cell's contents while a hierarchy is built: all of it adds up.
+/// Length of a doubled area, whose square leaves single precision long before the area does.
+inline float length_of(glm::vec3 v) {
+    const glm::vec3 a = glm::abs(v);
+    const float largest = std::max(a.x, std::max(a.y, a.z));
+    if (!(largest > 0)) return 0;
+    const glm::vec3 scaled = a * (1 / largest);
+    return largest * std::sqrt(glm::dot(scaled, scaled));
+}
+
+/// A surface in the light of its sampler.
+struct LitSurface {
+    glm::vec3 normal;  ///< of unit length
+    float alpha;
+    glm::vec3 rgb;  ///< 0 to 255; times the area it goes into AreaSums::color
+    float tone;     ///< luminance; times the area and the normal it goes into AreaSums::tone
+};
+
+template <class Sampler>
+LitSurface lit_surface(const Polygon& polygon, glm::vec4 color, glm::vec3 normal, bool closed_surfaces,
+                       const Sampler& sampler) {
+    float front = 1, back = 1;
+    if constexpr (LightsPolygons<Sampler>) {
+        front = sampler.brightness(polygon, normal);
+        if (!closed_surfaces) back = sampler.brightness(polygon, -normal);
+    }
+    const glm::vec3 rgb = glm::vec3(color) * 255.0f;
+    if (closed_surfaces) return {normal, color.a, front * rgb, front * luminance(rgb)};
+    return {normal, color.a, 0.5f * (front + back) * rgb, 0.5f * (front - back) * luminance(rgb)};
+}
+
+}  // namespace detail
+
+/// A cell's contents while a hierarchy is built. All members of several cells add up.
 struct TensorSums {
     AreaSums sums;
     Box contents = Box::empty();
     AxisMasks masks;
-};
 
-/// A length of 1 in a TensorShape: the bounds' largest side.
-inline float tensor_unit(const Cell& cell) {
-    return 2 * glm::max(cell.bounds_half.x, glm::max(cell.bounds_half.y, cell.bounds_half.z));
-}
-
-/// From sums to what is stored. Areas are in squares of the bounds' side.
-class TensorFit {
-  public:
-    TensorFit(const TensorSums& draft, const Cell& cell, bool closed_surfaces)
-        : sums_(draft.sums), cell_(cell), closed_surfaces_(closed_surfaces), unit_(tensor_unit(cell)) {
-        if (is_empty()) return;
-        const float per_unit = 1 / unit_, alpha = sums_.area / sums_.opaque_area;
-        // Not thinner than can be stored.
-        extent_ = glm::clamp(draft.contents.size() * per_unit, 1.0f / 16, 1.0f);
-        // Of closed surfaces what is seen from that end which shows more.
-        seen_ = closed_surfaces ? 0.5f * (sums_.along_axes + glm::abs(sums_.normal)) : sums_.along_axes;
-        seen_ = seen_ * per_unit * per_unit;
-        const glm::vec3 step = cell.bounds_half * (2 * per_unit / float(AxisMasks::side));
-        for (int axis = 0; axis < 3; ++axis) {
-            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-            outline_[axis] = extent_[u] * extent_[v];
-            sample_[axis] = step[u] * step[v];
-            covered_[axis] = float(draft.masks.count(axis)) * sample_[axis] * alpha;
-        }
-        for (std::size_t i = 0; i < held_out_.size(); ++i) {
-            const int view = 3 + int(i);
-            held_out_[i] = float(draft.masks.count(view)) * AxisMasks::sample_area(view) * alpha;
-        }
-    }
-
-    /// Nothing has an area that single precision can tell from 0, or from infinity.
-    bool is_empty() const {
-        return !(sums_.area >= std::numeric_limits<float>::min() && std::isfinite(sums_.area) && unit_ > 0);
-    }
-
-    /// `counts_overlap`: what hides something along an axis and what it hides are counted once. Not of empty ones.
-    TensorShape shape(bool counts_overlap) const {
-        TensorShape s;
-        s.law = fitting_law();
-        s.extent = extent_;
-        s.center = (cell_.center + sums_.moment / sums_.area - (cell_.bounds_center - cell_.bounds_half)) / unit_;
-        s.rgb = sums_.color / sums_.area;
-        const glm::vec3 kept = counts_overlap ? counted_once(s.law) : glm::vec3(1);
-        // Scaled to a sum of areas of 1: squares of small ones are too small for single precision.
-        const float area = sums_.area / unit_ / unit_, mean_luminance = luminance(s.rgb);
-        std::array<float, 6> t;
-        for (std::size_t i = 0; i < 6; ++i) t[i] = sums_.tensor[i] / sums_.area;
-        // Cauchy: seen from all directions alike, half of the areas' sum.
-        const float scale = 0.5f / mean_area(root_of(t)) * area;
-        constexpr std::array<int, 6> row{0, 1, 2, 1, 2, 2}, column{0, 0, 0, 1, 1, 2};
-        for (std::size_t i = 0; i < 6; ++i) t[i] *= kept[row[i]] * kept[column[i]];
-        s.root = root_of(t);
-        for (float& v : s.root) v *= scale;
-        if (closed_surfaces_) s.facing = sums_.normal / sums_.area * area * kept;
-        if (mean_luminance > 0) s.tone = sums_.tone / sums_.area * (area / mean_luminance) * kept;
-        return s;
-    }
-
-    /// By how much covered(w) is off along the diagonals, which nothing was fitted to, in parts of what the contents'
-    /// box shows there: 0 to 1, the mean. 1 where bounds are no cubes, whose diagonals the masks do not know.
-    template <class Covered>
-    float held_out_error(Covered&& covered) const {
-        const glm::vec3 half = cell_.bounds_half;
-        if (half.x != half.y || half.x != half.z) return 1;
-        float sum = 0;
-        for (std::size_t i = 0; i < held_out_.size(); ++i) {
-            const glm::vec3 w = AxisMasks::direction(3 + int(i));
-            // A mask does not know from which end it was looked at.
-            const float off = 0.5f * (covered(w) + covered(-w)) - held_out_[i];
-            sum += std::min(std::abs(off) / glm::dot(glm::abs(w), outline_), 1.0f);
-        }
-        return sum / float(held_out_.size());
-    }
-
-    /// What is flat is coherent. Of the rest the law by which the areas cover what the masks saw; where samples are too
-    /// few to tell, things are strewn: what is strewn and called a sheet thickens.
-    AreaLaw fitting_law() const {
-        TensorShape shape;
-        for (std::size_t i = 0; i < 6; ++i) shape.root[i] = sums_.tensor[i] / sums_.area;
-        shape.root = root_of(shape.root);
-        if (shape.sheet_normal() != glm::vec3(0)) return AreaLaw::coherent;
-        AreaLaw best = AreaLaw::independent;
-        float least = std::numeric_limits<float>::infinity();
-        for (const AreaLaw law : {AreaLaw::independent, AreaLaw::mixed, AreaLaw::coherent}) {
-            float sum = 0;
-            for (int axis = 0; axis < 3; ++axis) {
-                const float part = covered_[axis] / outline_[axis];
-                const float off = 1 - transmitted(1, seen_[axis] / outline_[axis], law) - part;
-                // The variance of samples, some three hundred in a cell's outline.
-                const float chance = law == AreaLaw::independent ? 0.0f : 0.003f * part * std::max(1 - part, 0.0f);
-                sum += outline_[axis] * (off * off + chance);
+    /// Adds the part of a polygon that lies within the cell's bounds. Closed surfaces show their front only.
+    template <class Sampler>
+    void add(const Cell& cell, const Polygon& polygon, bool closed_surfaces, const Sampler& sampler) {
+        const Box bounds = cell.bounds();
+        const std::span<const Rgba8> colors = polygon.colors;
+        const bool one_color = colors.size() < polygon.vertices.size();
+        for_each_triangle(polygon.vertices.size(), [&](std::size_t a, std::size_t b, std::size_t c) {
+            const glm::vec3 corners[3] = {polygon.vertices[a], polygon.vertices[b], polygon.vertices[c]};
+            glm::vec4 color = to_vec4(colors[a]);
+            if (!one_color) color = (color + to_vec4(colors[b]) + to_vec4(colors[c])) * (1.0f / 3);
+            const glm::vec3 doubled = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+            const float length = detail::length_of(doubled);
+            if (!(length > 0)) return;
+            const auto surface = detail::lit_surface(polygon, color, doubled / length, closed_surfaces, sampler);
+            const glm::vec3 lower = glm::min(corners[0], glm::min(corners[1], corners[2]));
+            const glm::vec3 upper = glm::max(corners[0], glm::max(corners[1], corners[2]));
+            if (bounds.contains(lower) && bounds.contains(upper)) {
+                add(cell, bounds, corners, 0.5f * length, surface);
+            } else {
+                add_clipped(cell, bounds, corners, surface);
             }
-            if (sum <= least) {  // of equals the one that closes: what is covered many times
-                least = sum;
-                best = law;
-            }
-        }
-        return best;
-    }
-
-    /// Cholesky: L of L L^T, lower triangle by columns, of a tensor that may be singular.
-    static std::array<float, 6> root_of(const std::array<float, 6>& t) {
-        std::array<float, 6> l{};
-        // A pivot that is rounding is none.
-        const auto pivot = [](float rest, float of) { return rest > 1e-5f * of ? std::sqrt(rest) : 0.0f; };
-        const float largest = std::max(t[0], std::max(t[3], t[5]));
-        l[0] = pivot(t[0], largest);
-        if (l[0] > 0) l[1] = t[1] / l[0], l[2] = t[2] / l[0];
-        l[3] = pivot(t[3] - l[1] * l[1], largest);
-        if (l[3] > 0) l[4] = (t[4] - l[2] * l[1]) / l[3];
-        l[5] = pivot(t[5] - l[2] * l[2] - l[4] * l[4], largest);
-        return l;
-    }
-
-    /// |L^T w| over all directions.
-    static float mean_area(const std::array<float, 6>& root) {
-        constexpr int count = 96;
-        static const auto directions = [] {  // a Fibonacci lattice
-            std::array<glm::vec3, count> all;
-            for (int i = 0; i < count; ++i) {
-                const float z = 1 - (2 * float(i) + 1) / float(count), r = std::sqrt(1 - z * z);
-                const float turn = 2 * std::numbers::pi_v<float> * float(i) / std::numbers::phi_v<float>;
-                all[std::size_t(i)] = {r * std::cos(turn), r * std::sin(turn), z};
-            }
-            return all;
-        }();
-        TensorShape shape;
-        shape.root = root;
-        float sum = 0;
-        for (const glm::vec3 w : directions) sum += shape.area_seen_from(w);
-        return sum / float(count);
+        });
     }
 
   private:
-    /// What is left of areas along each axis for the law to cover what the masks saw.
-    glm::vec3 counted_once(AreaLaw law) const {
-        glm::vec3 kept(1);
-        for (int axis = 0; axis < 3; ++axis) {
-            if (!(sample_[axis] > 0)) continue;
-            const float opacity = std::min(covered_[axis] / outline_[axis], 1 - 0.5f * sample_[axis] / outline_[axis]);
-            const float fitting = area_of(opacity, law) * outline_[axis];
-            const float prior = sample_[axis];  // point samples of little are noise
-            // More than there is means too few samples. Leaves may have it, for others have less; a sheet that stays
-            // too small is closed by its gain.
-            const float most = law == AreaLaw::coherent && !closed_surfaces_ ? 1.0f : 1.25f;
-            kept[axis] = std::min((fitting + prior) / (seen_[axis] + prior), most);
-            // What is more than enough from here may be just enough from elsewhere: a blind's slats.
-            if (law == AreaLaw::coherent && opacity > 0.9f) kept[axis] = std::max(kept[axis], 1.0f);
-        }
-        return kept;
+    void add_clipped(const Cell& cell, const Box& bounds, const glm::vec3 (&corners)[3],
+                     const detail::LitSurface& surface) {
+        const ClippedTriangle inside(bounds, corners);
+        const std::span<const glm::vec3> left = inside.corners();
+        for_each_triangle(left.size(), [&](std::size_t a, std::size_t b, std::size_t c) {
+            const glm::vec3 part[3] = {left[a], left[b], left[c]};
+            const glm::vec3 n = glm::cross(part[1] - part[0], part[2] - part[0]);
+            add(cell, bounds, part, 0.5f * detail::length_of(n), surface);
+        });
     }
 
-    /// What leaves 1 - opacity by a law.
-    static float area_of(float opacity, AreaLaw law) {
-        switch (law) {
-            case AreaLaw::coherent:
-                return opacity;
-            case AreaLaw::mixed:
-                return -2 * std::log(1 - 0.5f * opacity);
-            case AreaLaw::independent:
-                return -std::log(1 - opacity);
-        }
-        return opacity;
+    void add(const Cell& cell, const Box& bounds, const glm::vec3 (&corners)[3], float opaque_area,
+             const detail::LitSurface& surface) {
+        for (const glm::vec3 p : corners) contents.add(p);
+        masks.add(bounds, corners);
+        const glm::vec3 n = surface.normal;
+        const float area = opaque_area * surface.alpha;
+        AreaSums& s = sums;
+        const glm::vec3 weighted = area * n;
+        s.tensor[0] += weighted.x * n.x;
+        s.tensor[1] += weighted.y * n.x;
+        s.tensor[2] += weighted.z * n.x;
+        s.tensor[3] += weighted.y * n.y;
+        s.tensor[4] += weighted.z * n.y;
+        s.tensor[5] += weighted.z * n.z;
+        s.area += area;
+        s.opaque_area += opaque_area;
+        s.normal += weighted;
+        s.along_axes += glm::abs(weighted);
+        const glm::vec3 from_center =
+            (corners[0] - cell.center) + (corners[1] - cell.center) + (corners[2] - cell.center);
+        s.moment += (area / 3) * from_center;
+        s.color += area * surface.rgb;
+        s.tone += surface.tone * weighted;
     }
-
-    const AreaSums& sums_;
-    const Cell& cell_;
-    bool closed_surfaces_;
-    float unit_;
-    glm::vec3 extent_{0};
-    glm::vec3 sample_{0};                                 ///< area of one, along each axis
-    glm::vec3 seen_{0};                                   ///< along each axis, if nothing hid anything
-    glm::vec3 outline_{0};                                ///< of the contents' box
-    glm::vec3 covered_{0};                                ///< as the masks tell
-    std::array<float, AxisMasks::views - 3> held_out_{};  ///< likewise, along diagonals
 };
 
 }  // namespace farfield

@@ -1,5 +1,5 @@
-// What part of a box is covered, seen along its three axes: point samples whose places nest, so that a parent's samples
-// are some of its children's and what a parent covers is the union of what they cover.
+// The covered part of a box, seen along its three axes: point samples whose places nest, so that a parent's samples are
+// some of its children's and a parent covers the union of what they cover.
 //
 // Opacities cannot be merged like that. Whether two children's contents lie side by side or behind one another is lost
 // with everything but their position: "wrong transparency" of Loubet and Neyret 2018 and of Zhou et al. 2024.
@@ -18,15 +18,15 @@
 namespace farfield {
 
 /// side x side samples along each axis, at the corners of a grid: sample i lies at lower + i / side of the box's size.
-/// Rows run along the second axis after the viewed one, in cyclic order. As many, twice as far apart, along the
-/// diagonals (1, 1, 1) and (1, 1, -1) of the box: what a fit to the axes is checked against. One bit a sample.
+/// Rows run along the second axis after the viewed one, in cyclic order. As many samples, twice as far apart, look
+/// along the diagonals (1, 1, 1) and (1, 1, -1) of the box, to check a fit to the axes. One bit a sample.
 class AxisMasks {
   public:
     static constexpr int side = 32;
     static constexpr int views = 5;  ///< x, y, z and the two diagonals
 
-    /// Samples of `box` that a triangle covers; what lies outside of the box is not seen. Shared edges cover a sample
-    /// once. Vertices are snapped to 1/256 of a sample's distance.
+    /// Adds the samples of `box` that a triangle covers; its part outside of the box is not seen. Shared edges cover a
+    /// sample once. Vertices are snapped to 1/256 of a sample's distance.
     void add(const Box& box, const glm::vec3 (&corners)[3]) {
         const glm::vec3 size = box.size();
         Coordinates at[3];
@@ -54,8 +54,8 @@ class AxisMasks {
         }
     }
 
-    /// Of the child every other sample is one of the parent's, if its box is half as large and lies on the parent's
-    /// grid.
+    /// Adds a child's samples: every other one is one of the parent's, if the child's box is half as large and lies on
+    /// the parent's grid.
     void add_child(const Box& box, const AxisMasks& child, const Box& child_box) {
         const glm::vec3 size = box.size();
         int shift[3];
@@ -80,20 +80,20 @@ class AxisMasks {
         }
     }
 
-    /// Samples covered in a view.
+    /// The number of samples covered in a view.
     int count(int view) const {
         int sum = 0;
         for (const std::uint32_t row : rows_[std::size_t(view)]) sum += std::popcount(row);
         return sum;
     }
 
-    /// Unit vector of a view; the box is taken for a cube.
+    /// The unit vector of a view; the box is taken for a cube.
     static glm::vec3 direction(int view) {
         const float r = 0.57735027f;
         const std::array<glm::vec3, views> all{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {r, r, r}, {r, r, -r}}};
         return all[std::size_t(view)];
     }
-    /// Area of a sample, squarely seen, in squares of the side of the box, taken for a cube.
+    /// The area of a sample seen squarely, in squares of the side of the box, which is taken for a cube.
     static float sample_area(int view) { return view < 3 ? 1.0f / (side * side) : 4 * 0.57735027f / (side * side); }
 
   private:
@@ -107,7 +107,7 @@ class AxisMasks {
         return (x | x >> 8) & 0x0000ffffu;
     }
 
-    /// Of a triangle on one axis, in 1/256 of a sample's distance, and the samples between.
+    /// A triangle's coordinates on one axis, in 1/256 of a sample's distance, and the samples between them.
     struct Coordinates {
         std::int32_t at[3];
         int first, last;

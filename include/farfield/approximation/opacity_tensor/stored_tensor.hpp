@@ -1,4 +1,4 @@
-// What an opacity tensor keeps of a cell: 16 bytes.
+// The 16 bytes that an opacity tensor keeps of a cell, and the numbers that they stand for.
 #pragma once
 
 #include <algorithm>
@@ -11,9 +11,15 @@
 #include <glm/vec3.hpp>
 
 #include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/rgba8.hpp"
 
 namespace farfield {
+
+/// The unit of length of a TensorShape: the largest side of the cell's bounds.
+inline float tensor_unit(const Cell& cell) {
+    return 2 * glm::max(cell.bounds_half.x, glm::max(cell.bounds_half.y, cell.bounds_half.z));
+}
 
 /// A cell's contents as numbers; lengths in sides of the cell's bounds, areas in squares of it.
 struct TensorShape {
@@ -30,13 +36,14 @@ struct TensorShape {
     float error = 0;      ///< 0 to 1
     AreaLaw law = AreaLaw::independent;
 
-    /// Projected, if nothing hides anything; w is a unit vector.
+    /// The projected area if nothing hides anything; w is a unit vector.
     float area_seen_from(glm::vec3 w) const {
         const glm::vec3 u(root[0] * w.x + root[1] * w.y + root[2] * w.z, root[3] * w.y + root[4] * w.z, root[5] * w.z);
         return std::sqrt(glm::dot(u, u));
     }
 
-    /// Any length; 0 unless nine tenths of the surfaces lie in one direction.
+    /// The normal, of any length, of contents that are nearly flat; 0 unless nine tenths of the surfaces have one
+    /// direction.
     glm::vec3 sheet_normal() const {
         const float first = root[0] * root[0] + root[1] * root[1] + root[2] * root[2];
         const float second = root[3] * root[3] + root[4] * root[4], third = root[5] * root[5];
@@ -47,77 +54,82 @@ struct TensorShape {
     }
 };
 
-/// The root of the tensor and not the tensor is quantized: an error of 1/62 is one of the area seen, not of its
+/// The root of the tensor is quantized, not the tensor itself: an error of 1/62 is one of the area seen, not of its
 /// square, so that a sheet stays thin seen edge-on.
-class StoredTensor {
-  public:
-    StoredTensor() = default;
-    explicit StoredTensor(const TensorShape& shape) {
+struct StoredTensor {
+    // Fields are listed from the lowest bit. All bits are used: nothing more is worth a seventeenth byte.
+    std::uint64_t first = 0;   ///< root 6 x 6, center 3 x 5, extent 3 x 4, scale's lowest
+    std::uint64_t second = 0;  ///< facing 3 x 5, tone 3 x 5, color 5 + 6 + 5, rest of scale 8, law 2, error 8
+
+    static StoredTensor packed(const TensorShape& shape) {
         float largest = 0;
         for (const float v : shape.root) largest = std::max(largest, std::abs(v));
         const float exponent = std::ceil((std::log2(std::max(largest, 1e-30f)) + octaves_below) * steps_an_octave);
         const float kept = std::min(std::max(0.0f, exponent), 511.0f);
         const float scale = scale_of(std::uint32_t(kept));
-        Bits first{first_}, second{second_};
-        for (const float v : shape.root) first.put(6, signed_bits(v / scale, 31));
-        for (int axis = 0; axis < 3; ++axis) first.put(5, nearest(shape.center[axis] * 32, 31));
-        for (int axis = 0; axis < 3; ++axis) first.put(4, nearest(shape.extent[axis] * 16 - 1, 15));
-        for (int axis = 0; axis < 3; ++axis) second.put(5, signed_bits(shape.facing[axis] / scale, 15));
-        for (int axis = 0; axis < 3; ++axis) second.put(5, signed_bits(shape.tone[axis] / scale, 15));
-        second.put(5, nearest(shape.rgb.r * (31.0f / 255), 31));
-        second.put(6, nearest(shape.rgb.g * (63.0f / 255), 63));
-        second.put(5, nearest(shape.rgb.b * (31.0f / 255), 31));
-        first.put(1, std::uint32_t(kept) & 1);
-        second.put(8, std::uint32_t(kept) >> 1);
-        second.put(2, std::uint32_t(shape.law));
-        second.put(8, std::uint32_t(std::ceil(std::min(std::max(0.0f, shape.error), 1.0f) * 255)));
+        StoredTensor tensor;
+        Bits low{tensor.first}, high{tensor.second};
+        for (const float v : shape.root) low.put(6, signed_bits(v / scale, 31));
+        for (int axis = 0; axis < 3; ++axis) low.put(5, nearest(shape.center[axis] * 32, 31));
+        for (int axis = 0; axis < 3; ++axis) low.put(4, nearest(shape.extent[axis] * 16 - 1, 15));
+        for (int axis = 0; axis < 3; ++axis) high.put(5, signed_bits(shape.facing[axis] / scale, 15));
+        for (int axis = 0; axis < 3; ++axis) high.put(5, signed_bits(shape.tone[axis] / scale, 15));
+        high.put(5, nearest(shape.rgb.r * (31.0f / 255), 31));
+        high.put(6, nearest(shape.rgb.g * (63.0f / 255), 63));
+        high.put(5, nearest(shape.rgb.b * (31.0f / 255), 31));
+        low.put(1, std::uint32_t(kept) & 1);
+        high.put(8, std::uint32_t(kept) >> 1);
+        high.put(2, std::uint32_t(shape.law));
+        high.put(8, std::uint32_t(std::ceil(std::min(std::max(0.0f, shape.error), 1.0f) * 255)));
+        return tensor;
     }
 
     TensorShape unpacked() const {
         TensorShape s;
-        // Each from its own place, so that none waits for another.
+        // Each number has a fixed place, so that none waits for another.
         const auto bits = [](std::uint64_t word, unsigned at, unsigned count) {
             return std::int32_t(word >> at & ((1u << count) - 1));
         };
-        const float scale = scale_of(std::uint32_t(bits(second_, 46, 8)) << 1 | std::uint32_t(bits(first_, 63, 1)));
+        const float scale = scale_of(std::uint32_t(bits(second, 46, 8)) << 1 | std::uint32_t(bits(first, 63, 1)));
         const float root_step = scale * (1.0f / 31), step = scale * (1.0f / 15);
-        for (unsigned i = 0; i < 6; ++i) s.root[i] = float(bits(first_, 6 * i, 6) - 32) * root_step;
+        for (unsigned i = 0; i < 6; ++i) s.root[i] = float(bits(first, 6 * i, 6) - 32) * root_step;
         for (int axis = 0; axis < 3; ++axis) {
             const auto i = unsigned(axis);
-            s.center[axis] = float(bits(first_, 36 + 5 * i, 5)) * (1.0f / 32);
-            s.extent[axis] = float(bits(first_, 51 + 4 * i, 4) + 1) * (1.0f / 16);
-            s.facing[axis] = float(bits(second_, 5 * i, 5) - 16) * step;
-            s.tone[axis] = float(bits(second_, 15 + 5 * i, 5) - 16) * step;
+            s.center[axis] = float(bits(first, 36 + 5 * i, 5)) * (1.0f / 32);
+            s.extent[axis] = float(bits(first, 51 + 4 * i, 4) + 1) * (1.0f / 16);
+            s.facing[axis] = float(bits(second, 5 * i, 5) - 16) * step;
+            s.tone[axis] = float(bits(second, 15 + 5 * i, 5) - 16) * step;
         }
-        s.rgb = glm::vec3(float(bits(second_, 30, 5)) * (255.0f / 31), float(bits(second_, 35, 6)) * (255.0f / 63),
-                          float(bits(second_, 41, 5)) * (255.0f / 31));
+        s.rgb = glm::vec3(float(bits(second, 30, 5)) * (255.0f / 31), float(bits(second, 35, 6)) * (255.0f / 63),
+                          float(bits(second, 41, 5)) * (255.0f / 31));
         s.law = area_law();
         s.error = error();
         return s;
     }
 
-    AreaLaw area_law() const { return AreaLaw(second_ >> 54 & 3); }
-    float error() const { return float(second_ >> 56) * (1.0f / 255); }
-    bool is_sound() const { return (second_ >> 54 & 3) <= 2; }
+    AreaLaw area_law() const { return AreaLaw(second >> 54 & 3); }
+    float error() const { return float(second >> 56) * (1.0f / 255); }
+    /// False for a law that does not exist: all other bits mean something.
+    bool is_sound() const { return (second >> 54 & 3) <= 2; }
 
     friend bool operator==(const StoredTensor&, const StoredTensor&) = default;
 
   private:
-    /// 2^-22 to 2^10 in steps of 4 %; the next larger one, so that nothing is cut off.
+    /// Scales run from 2^-22 to 2^10 in steps of 4 % and are rounded up, so that nothing is cut off.
     static constexpr float octaves_below = 22, steps_an_octave = 16;
 
     static float scale_of(std::uint32_t exponent) {
-        // Powers of two: multiples of a sixteenth.
+        // Two to the power of 0, 1/16, 2/16 and so on.
         static constexpr std::array<float, 16> fractions{
             1.0f,        1.04427378f, 1.09050773f, 1.13878863f, 1.18920712f, 1.24185781f, 1.29683955f, 1.35425555f,
             1.41421356f, 1.47682615f, 1.54221083f, 1.61049033f, 1.68179283f, 1.75625216f, 1.83400809f, 1.91520656f};
         return fractions[exponent & 15] * std::bit_cast<float>((127u - 22u + (exponent >> 4)) << 23);
     }
-    // In this order of arguments the limit is taken for what is no number.
+    // In this order of arguments NaN gives 0.
     static std::uint32_t nearest(float v, float most) {
         return std::uint32_t(std::min(std::max(0.0f, v + 0.5f), most + 0.5f));
     }
-    /// -1 to 1, offset so that it is not negative.
+    /// A number from -1 to 1, offset so that it is not negative.
     static std::uint32_t signed_bits(float v, float most) {
         const float kept = std::min(std::max(-1.0f, v), 1.0f);
         return std::uint32_t(std::int32_t(std::round(kept * most)) + std::int32_t(most) + 1);
@@ -131,10 +143,6 @@ class StoredTensor {
             at += count;
         }
     };
-
-    // From the lowest bit. All of them are used: what is less than a hundredth is not worth a seventeenth byte.
-    std::uint64_t first_ = 0;   ///< root 6 x 6, center 3 x 5, extent 3 x 4, scale's lowest
-    std::uint64_t second_ = 0;  ///< facing 3 x 5, tone 3 x 5, color 5 + 6 + 5, rest of scale 8, law 2, error 8
 };
 static_assert(sizeof(StoredTensor) == 16);
 

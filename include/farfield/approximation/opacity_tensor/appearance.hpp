@@ -1,0 +1,107 @@
+// The look of a stored opacity tensor from a direction: its area, its color, and the rectangle or faces that show them.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
+#include "farfield/drawables.hpp"
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/view/local_view.hpp"
+
+namespace farfield {
+
+/// A shape and the options it was made with (OpacityTensor). Lengths are in sides of the cell's bounds, areas in
+/// squares of it; w is a unit vector towards the viewer.
+struct TensorAppearance {
+    TensorShape shape;
+    bool closed_surfaces = false;
+    bool counts_overlap = true;
+
+    struct Seen {
+        float area;     ///< covered, each place once
+        glm::vec3 rgb;  ///< 0 to 255
+    };
+    Seen seen_from(glm::vec3 w) const {
+        float area = shape.area_seen_from(w);
+        if (!(area > 0)) return {0, shape.rgb};
+        float tone = std::max(1 + glm::dot(shape.tone, w) / area, 0.0f);
+        if (closed_surfaces) {
+            const float fronts = 1 + glm::clamp(glm::dot(shape.facing, w) / area, -1.0f, 1.0f);
+            if (fronts < 0.04f) return {0, shape.rgb};
+            tone = std::min(tone / fronts, 2.0f);
+            area *= 0.5f * fronts;
+        }
+        if (counts_overlap) {
+            const float outline = outline_from(w);
+            area = outline * (1 - transmitted(1, area / outline, shape.law));
+        }
+        return {area, glm::min(shape.rgb * tone, glm::vec3(255))};
+    }
+
+    /// Area of the contents' outline. Sheets lie anywhere in their box. Leaves strewn in it are thin where they are
+    /// seen through one of its edges or corners, which count for less: within 4 % of the area that leaves cover where
+    /// they fill a cube once or twice.
+    float outline_from(glm::vec3 w) const {
+        const glm::vec3 e = shape.extent, sides = glm::abs(w) * glm::vec3(e.y * e.z, e.z * e.x, e.x * e.y);
+        const float outline = sides.x + sides.y + sides.z;
+        return shape.law == AreaLaw::coherent ? outline : 0.15f * outline + 0.85f * std::sqrt(glm::dot(sides, sides));
+    }
+
+    /// Width and height, in the picture, of the rectangle that is drawn about `center`.
+    glm::vec2 rectangle(glm::vec3 center, const LocalView& view, float strewn_over) const {
+        glm::vec3 right = view.right, up = view.up;
+        if (view.is_perspective) {  // points that lie deeper are nearer to the vanishing point
+            const glm::vec3 d = center - view.eye;
+            const float inverse = 1 / glm::dot(d, view.forward);
+            right -= view.forward * (glm::dot(d, view.right) * inverse);
+            up -= view.forward * (glm::dot(d, view.up) * inverse);
+        }
+        if (shape.law != AreaLaw::coherent) {
+            right *= shape.extent;
+            up *= shape.extent;
+            return glm::sqrt(strewn_over * glm::vec2(glm::dot(right, right), glm::dot(up, up)));
+        }
+        // In a flat sheet the coordinate in which it is steepest follows from the others: it is not as large as its
+        // box.
+        const glm::vec2 box(glm::dot(glm::abs(right), shape.extent), glm::dot(glm::abs(up), shape.extent));
+        const glm::vec3 n = shape.sheet_normal(), steep = glm::abs(n);
+        const int k = steep.x >= steep.y && steep.x >= steep.z ? 0 : steep.y >= steep.z ? 1 : 2;
+        if (n[k] != 0) {
+            right -= n * (right[k] / n[k]);
+            up -= n * (up[k] / n[k]);
+        }
+        const glm::vec2 size(glm::dot(glm::abs(right), shape.extent), glm::dot(glm::abs(up), shape.extent));
+        return glm::max(glm::min(size, box), 0x1p-8f);  // edge-on
+    }
+
+    /// The contents' centroid, in local coordinates.
+    glm::vec3 center_in(const Cell& cell) const {
+        return cell.bounds_center - cell.bounds_half + shape.center * tensor_unit(cell);
+    }
+
+    /// One of three rectangles that cross at the centroid, as opaque as the contents are along its normal.
+    Face crossing_face(const Cell& cell, int axis, bool looks_up) const {
+        const glm::vec3 center = center_in(cell), half = shape.extent * (0.5f * tensor_unit(cell));
+        glm::vec3 w(0);
+        w[axis] = looks_up ? 1.0f : -1.0f;
+        const Seen seen = seen_from(w);
+        const float outline = shape.extent[(axis + 1) % 3] * shape.extent[(axis + 2) % 3];
+        const float alpha = std::min(seen.area / outline, 1.0f);
+        Face face{center - half, center + half, to_rgba8(glm::vec4(seen.rgb * (alpha / 255), alpha)),
+                  std::uint8_t(2 * axis + (looks_up ? 1 : 0))};
+        face.lower[axis] = face.upper[axis] = center[axis];
+        return face;
+    }
+};
+
+}  // namespace farfield
