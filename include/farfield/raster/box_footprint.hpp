@@ -55,12 +55,12 @@ struct BoxFootprint {
             low_y = p.y - half_y;
             high_y = p.y + half_y;
         }
-        // One sample for snapping and for its center, and what projecting may err.
+        // One sample covers snapping and the distance to its center; the rest is the error of projection.
         const float relative = to.is_perspective ? error / nearest : error;
         const float focal = to.focal * 256;
         const float slack_x = 256 + relative * (focal + std::max(std::abs(low_x), std::abs(high_x)));
         const float slack_y = 256 + relative * (focal + std::max(std::abs(low_y), std::abs(high_y)));
-        // Written so that what is not a number stays outside.
+        // Written so that a NaN ends up outside.
         const auto sample = [](float v, int first, int end) {
             return int(std::floor(std::clamp(v * (1.0f / 256), float(first) - 1, float(end))));
         };

@@ -1,4 +1,4 @@
-// How near can what lies in a box be, sample by sample?
+// How near can the contents of a box be, sample by sample?
 #pragma once
 
 #include <algorithm>
@@ -14,28 +14,28 @@
 
 namespace farfield {
 
-/// The sides of a box that face the eye, as planes of q. A ray enters the box where it meets the last of them: none of
-/// what lies inside has, at a sample, a larger q than any of them. So a room is hidden behind a corridor's wall though
+/// The sides of a box that face the eye, as planes of q. A ray enters the box where it meets the last of them, so at
+/// each sample nothing inside has a larger q than any of them. A room is thus hidden behind a corridor's wall though
 /// its nearest corner is nearer than most of the wall, which a bound by that corner alone cannot tell.
 ///
-/// They are raised by as much as rounding and snapping may raise what is drawn. (The depth of a sliver on the screen,
-/// whose corners lie all but on a line, is known only within that of its corners: where it comes before a front it is
-/// by that error, and may be left out with what is hidden.)
+/// The planes are raised by as much as rounding and snapping may raise what is drawn. (A sliver on the screen, whose
+/// corners lie almost on a line, has a depth known only to within that of its corners: if it lies before a front, that
+/// is due to this error, and it may be left out with what is hidden.)
 struct BoxFronts {
     std::array<DepthPlane, 3> planes;  ///< over samples, relative to the center sample
     int count = 0;                     ///< 1 or more once made
-    float nearest_q = 0;               ///< of no point of the box is q larger
+    float nearest_q = 0;               ///< no point of the box has a larger q
 
     BoxFronts() = default;
-    /// Of something that is only known to be nowhere nearer.
+    /// A bound for something that is only known to be nowhere nearer.
     explicit BoxFronts(float q) : count(1), nearest_q(q) { planes[0] = DepthPlane(q, 0, 0, q, q); }
 
-    /// All of the box must be before the near plane; on the screen, in 1/256 sample relative to the center sample, it
-    /// lies between `low` and `high`. nearest_q has been raised by rounding_q.
+    /// The whole box must lie beyond the near plane; on the screen it lies between low_and_high, in 1/256 sample
+    /// relative to the center sample. nearest_q has been raised by rounding_q.
     ///
     /// A point at depth d that is seen at (X, Y), samples from where the view's axis meets the screen, is eye + d
-    /// forward + w (X right + Y down) / focal, w being d in perspective and 1 in orthographic views. With its
-    /// coordinate on one axis given, q is linear in X and Y.
+    /// forward + w (X right + Y down) / focal, where w is d in perspective and 1 in orthographic views. Once its
+    /// coordinate on one axis is given, q is linear in X and Y.
     BoxFronts(glm::vec3 center, glm::vec3 half, const SampleProjection& to, std::array<glm::vec2, 2> low_and_high,
               float nearest, float rounding_q)
         : nearest_q(nearest) {
@@ -75,7 +75,7 @@ struct BoxFronts {
         if (count == 0) *this = BoxFronts(nearest_q);
     }
 
-    /// No smaller than q of anything inside, at any of these samples, ends included.
+    /// An upper bound of q for anything inside, over a rectangle of samples, ends included.
     float nearest_in(int x0, int y0, int x1, int y1) const {
         float nearest = nearest_q;
         for (int i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-// Convex polygons across the near plane or far off the screen.
+// Clips convex polygons that cross the near plane or lie far off the screen.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +14,9 @@
 
 namespace farfield {
 
-/// Sutherland and Hodgman 1974, in coordinates before division, so that nothing behind the eye is ever divided. A cut
-/// point is computed from the inner to the outer end whichever way the edge runs: polygons that share an edge get the
-/// same point and stay watertight.
+/// Clips as Sutherland and Hodgman 1974 do, in coordinates before division, so that nothing behind the eye is ever
+/// divided. A cut point is computed from the inner to the outer end whichever way the edge runs: polygons that share an
+/// edge get the same point and stay watertight.
 class ClippedPolygon {
   public:
     /// Cut points are computed in double: a ground of kilometers under an eye a hand above it is tilted by more than
@@ -24,14 +24,14 @@ class ClippedPolygon {
     /// neighbors.
     struct Vertex {
         glm::dvec3 p;       ///< as SampleProjection::project gives it
-        glm::vec3 rounded;  ///< likewise, of a corner that was not cut
+        glm::vec3 rounded;  ///< the same in float, for corners that were not cut
         glm::vec4 color;    ///< whatever varies linearly over the polygon
         bool is_cut;
     };
-    /// Triangles and far-field faces; each of the five planes adds a corner at most.
+    /// Enough for triangles and far-field faces; each of the five planes adds at most one corner.
     static constexpr std::size_t largest_input = 8;
 
-    /// Local coordinates.
+    /// Takes local coordinates.
     void add(glm::vec3 corner, const SampleProjection& to, glm::vec4 color = glm::vec4(0)) {
         if (count_ == largest_input) return;
         const glm::dvec3 d = glm::dvec3(corner) - glm::dvec3(to.eye);
@@ -40,7 +40,7 @@ class ClippedPolygon {
         vertices_[count_++] = {p, to.project(corner), color, false};
     }
 
-    /// Afterwards all that is left lies in front of the near plane and inside the guard band.
+    /// Leaves the part beyond the near plane and inside the guard band.
     void clip(const SampleProjection& to) {
         if (std::isfinite(to.near_depth)) cut([&](const glm::dvec3& p) { return p.z - double(to.near_depth); });
         const auto w = [&](const glm::dvec3& p) {
@@ -55,7 +55,7 @@ class ClippedPolygon {
     std::size_t size() const { return count_; }
     const Vertex& operator[](std::size_t i) const { return vertices_[i]; }
 
-    /// Corner `corner` of a triangle, as triage() and snapping would have it.
+    /// Sets corner `corner` of a triangle to the position that triage() and snapping would give it.
     void snap(std::size_t vertex, const SampleProjection& to, SnappedTriangle& t, unsigned corner) const {
         const Vertex& v = vertices_[vertex];
         if (v.is_cut) {

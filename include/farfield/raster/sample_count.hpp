@@ -9,7 +9,8 @@
 
 namespace farfield {
 
-/// Of a pixel. Throws std::invalid_argument, naming the renderer, for a number that is not a square of 1 to 8.
+/// The side of a pixel's square of samples. Throws std::invalid_argument, naming the renderer, for a number that is not
+/// a square of 1 to 8.
 inline int checked_samples_a_side(int samples, const char* renderer) {
     int side = 1;
     while (side < 8 && side * side < samples) ++side;

@@ -1,4 +1,4 @@
-// Samples with a color and nothing else, and the picture that comes of them.
+// Samples that have a color and no depth, and the picture made from them.
 #pragma once
 
 #include <algorithm>
@@ -35,13 +35,13 @@ class ColorSamples {
         first_y_ = to.first_y;
     }
 
-    /// Color of row y, to be indexed with x. Whoever writes says so by drawn().
+    /// The colors of row y, indexed with x. The caller reports what it writes by drawn().
     Rgba8* row(int y) { return at(0, y - first_y_) - first_x_; }
     void drawn(int x0, int y0, int x1, int y1) {
         drawn_.add(x0 - first_x_, y0 - first_y_, x1 - first_x_, y1 - first_y_);
     }
 
-    /// Box filter: the mean of a pixel's samples. Writes only what changed since the last resolve into the same image.
+    /// Writes the mean of each pixel's samples, but only where they changed since the last resolve into the same image.
     void resolve(Image& image) {
         const int width = width_ / side_, height = height_ / side_;
         if (image_is_stale_ || image.width() != width || image.height() != height) {

@@ -1,4 +1,4 @@
-// A triangle's samples into a z-buffer.
+// Writes a triangle's samples into a z-buffer.
 #pragma once
 
 #include <bit>
@@ -12,7 +12,7 @@
 
 namespace farfield {
 
-/// The nearer one stays; of two at the same depth the larger color, whichever comes first.
+/// The nearer sample stays; of two at the same depth the larger color stays, in whatever order they come.
 class DepthTestedFill {
   public:
     DepthTestedFill(const SampleProjection& to, SampleBuffers& buffers, const SampleRows& rows)
@@ -20,11 +20,11 @@ class DepthTestedFill {
 
     SampleBuffers& buffers() const { return buffers_; }
 
-    /// May be said of triangles that change nothing.
+    /// A fill may reject triangles that change nothing.
     static constexpr bool rejects(const SnappedTriangle&) { return false; }
 
     /// The triangle must be clockwise. prepare() is called before the first sample that it covers; shade(x, y) then
-    /// gives the sample's color, and with alpha 0 it is not covered after all.
+    /// gives the sample's color; alpha 0 means that it is not covered after all.
     template <class Prepare, class Shade>
     void operator()(const SnappedTriangle& t, std::int64_t doubled_area, Prepare&& prepare, const Shade& shade) const {
         DepthPlane plane;

@@ -1,4 +1,4 @@
-// Faces and splats of the far field as deposits into samples.
+// Deposits faces and splats of the far field into samples.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,12 @@
 
 namespace farfield {
 
-/// Both want SampleBuffers::begin_far() before.
+/// SampleBuffers::begin_far() must come before the first deposit.
 class FarDeposits {
   public:
     FarDeposits(const SampleProjection& to, SampleBuffers& buffers) : to_(to), buffers_(buffers) {}
 
-    /// As a polygon, sample by sample: adjoining faces leave no gap.
+    /// Deposits a polygon, sample by sample: adjoining faces leave no gap.
     void add(const Face& face) {
         if (face.rgba.a == 0) return;
         ClippedPolygon polygon;
@@ -35,7 +35,7 @@ class FarDeposits {
         add(polygon, face.rgba);
     }
 
-    /// Each sample gets its share by overlap.
+    /// Deposits a rectangle: each sample gets its share by overlap.
     void add(const Splat& splat) {
         const glm::vec3 p = to_.project(splat.center);
         if (!(p.z > to_.near_depth)) return;

@@ -1,4 +1,4 @@
-// What renderers with a z-buffer have in common: sources, light, geometry and far field into SampleBuffers.
+// The common part of renderers with a z-buffer: it draws sources, lit, and the far field into SampleBuffers.
 #pragma once
 
 #include <bit>
@@ -22,7 +22,7 @@
 
 namespace farfield {
 
-/// `renderer`, a literal, is whose name errors bear.
+/// Errors name `renderer`, a string literal.
 class ZBufferCanvas {
   public:
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
@@ -54,7 +54,7 @@ class ZBufferCanvas {
     }
     void end_frame() { buffers_.resolve(image_); }
 
-    /// Ranges with a law are deposited where options say so.
+    /// Small triangles of ranges with a law are deposited if the options say so.
     template <class P, class Fill>
     void draw(const Source<P>& source, std::span<const Range> ranges, const Fill& fill) {
         const TriangleStream& stream = streams_[source.id];
@@ -81,8 +81,8 @@ class ZBufferCanvas {
     }
 
   private:
-    /// Triangles [first, end) of a cell whose law is known. Inlined, g++ at -O1 takes a law that is not set, of a range
-    /// that never gets here, for one that is read.
+    /// Draws triangles [first, end) of a cell whose law is known. Not inlined, or g++ at -O1 warns that a law may be
+    /// read unset, for ranges that never get here.
     template <class Painter>
     [[gnu::noinline]] void draw_with_deposits(const TriangleStream& stream, std::uint32_t first, std::uint32_t end,
                                               const std::optional<AreaLaw>& known_law, Painter& painter) {
@@ -99,8 +99,9 @@ class ZBufferCanvas {
                     const bool front = (masks.front >> lane & 1) != 0;
                     painter.deposit(block * TriangleBlock::lanes + lane, triaged, lane, front, opaque);
                 }
-                // Squares do not tile a surface as its triangles do, and its larger triangles are no deposits at all.
-                // So that nothing shows through, the samples that its small ones hold are drawn as well, behind.
+                // Squares do not tile a surface as its triangles do, and its larger triangles are not deposited at all.
+                // The samples that its small ones hold are therefore drawn as well, behind, so that nothing shows
+                // through.
                 if (law != AreaLaw::coherent) in_range &= ~masks.small;
                 for (unsigned left = (masks.draw | masks.clip) & in_range; left != 0; left &= left - 1) {
                     const auto lane = unsigned(std::countr_zero(left));

@@ -1,4 +1,4 @@
-// One triangle into a picture: by scan conversion, or deposited as a whole where it is small.
+// Draws one triangle into a picture: by scan conversion, or as one deposit if it is small.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@
 
 namespace farfield {
 
-/// What a fill asks for the color of a sample. Colors are known after prepare().
+/// A shade gives a fill the color of a sample; colors are known after prepare().
 struct OneColor {
     static constexpr bool is_one_color = true;
     const Rgba8& color;  ///< opaque
@@ -35,7 +35,7 @@ struct SeveralColors {
     const Rgba8 (&corners)[3];
     bool are_equal;
     std::optional<ColorPlane> plane{};  ///< set by prepare()
-    std::uint32_t hash = 0;             ///< of the triangle; likewise
+    std::uint32_t hash = 0;             ///< of the triangle; set by prepare()
 
     bool are_opaque() const { return corners[0].a == 255 && corners[1].a == 255 && corners[2].a == 255; }
     Rgba8 operator()(int x, int y) const {
@@ -45,9 +45,9 @@ struct SeveralColors {
     }
 };
 
-/// For as long as view and source stay. `light` is in the source's axes; null: colors as they are.
+/// Valid as long as view and source stay the same. `light` is in the source's axes; null leaves colors as they are.
 ///
-/// Fill says what becomes of samples: fill.rejects(triangle), asked before anything is set up, and
+/// Fill decides what is done with samples: fill.rejects(triangle) is called before anything is set up, then
 /// fill(triangle, doubled_area, prepare, shade), as in depth_tested_fill.hpp.
 template <class Fill>
 class TrianglePainter {
@@ -56,21 +56,21 @@ class TrianglePainter {
                     bool culls_back_faces, const Fill& fill)
         : stream_(stream), to_(to), light_(light), culls_back_faces_(culls_back_faces), fill_(fill) {}
 
-    /// A lane of TriageMasks::draw.
+    /// Draws a lane of TriageMasks::draw.
     void draw(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane) {
         SnappedTriangle t = snapped(triaged, lane);
         draw(triangle, t);
     }
 
-    /// A lane of TriageMasks::draw that was deposited too: as far away as its farthest corner, so that it hides neither
-    /// its own deposit nor its neighbors'.
+    /// Draws a lane of TriageMasks::draw that was deposited too, as far away as its farthest corner, so that it hides
+    /// neither its own deposit nor its neighbors'.
     void draw_behind(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane) {
         SnappedTriangle t = snapped(triaged, lane);
         t.q[0] = t.q[1] = t.q[2] = std::min(std::min(t.q[0], t.q[1]), t.q[2]);
         draw(triangle, t);
     }
 
-    /// A lane of TriageMasks::clip.
+    /// Draws a lane of TriageMasks::clip.
     void draw_clipped(std::uint32_t triangle) {
         ClippedPolygon polygon;
         const Rgba8* colors = stream_.colors(triangle);
@@ -90,9 +90,9 @@ class TrianglePainter {
         }
     }
 
-    /// A lane of TriageMasks::small, into fill.buffers() after SampleBuffers::begin_far(): a square of its area about
-    /// its centroid, in the mean of its corners' colors. `opaque` is what its law takes where it covers all and lets
-    /// nothing through.
+    /// Deposits a lane of TriageMasks::small into fill.buffers(), after SampleBuffers::begin_far(): a square of its
+    /// area around its centroid, in the mean of its corners' colors. `opaque` is its law's loss where something opaque
+    /// covers all.
     void deposit(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane, bool front, Loss opaque) {
         const Rgba8* colors = stream_.colors(triangle);
         const bool several = stream_.several_colors();
@@ -125,7 +125,7 @@ class TrianglePainter {
         return t;
     }
 
-    /// On the side that is seen, any length.
+    /// The normal on the visible side, of any length.
     glm::vec3 normal(std::uint32_t triangle, bool front) const {
         const glm::vec3 a = stream_.vertex(triangle, 0);
         const glm::vec3 n = glm::cross(stream_.vertex(triangle, 1) - a, stream_.vertex(triangle, 2) - a);

@@ -1,4 +1,4 @@
-// Runs of triangles, a block at a time.
+// Goes through runs of triangles, a block at a time.
 #pragma once
 
 #include <bit>
@@ -9,8 +9,8 @@
 
 namespace farfield {
 
-/// Calls f(block, masks, triaged, in_range) for each block that has some of triangles [first, end), whose lanes are set
-/// in `in_range`.
+/// Calls f(block, masks, triaged, in_range) for each block that holds some of the triangles [first, end); `in_range`
+/// marks their lanes.
 template <class F>
 void for_triaged_blocks(const TriangleStream& stream, std::uint32_t first, std::uint32_t end,
                         const SampleProjection& to, TriageFunction triage, F&& f) {
@@ -26,7 +26,7 @@ void for_triaged_blocks(const TriangleStream& stream, std::uint32_t first, std::
     }
 }
 
-/// Triangles [first, end), those that hold samples, in their order.
+/// Draws those of the triangles [first, end) that may hold samples, in their order.
 template <class Painter>
 void draw_triangles(const TriangleStream& stream, std::uint32_t first, std::uint32_t end, const SampleProjection& to,
                     TriageFunction triage, Painter& painter) {

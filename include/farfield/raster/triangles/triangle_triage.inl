@@ -1,11 +1,11 @@
-// One idea, compiled once for each width of vectors: see triangle_triage.hpp. No include guard; expects
-// FARFIELD_LANES (1, 4 or 8) and to stand inside a namespace of its own.
+// Triages a block of triangles; compiled once for each width of vectors, see triangle_triage.hpp. There is no include
+// guard; FARFIELD_LANES must be 1, 4 or 8, and the including namespace is for this file alone.
 
 typedef float Floats __attribute__((vector_size(4 * FARFIELD_LANES)));
 typedef std::int32_t Ints __attribute__((vector_size(4 * FARFIELD_LANES)));
 typedef std::uint32_t Words __attribute__((vector_size(4 * FARFIELD_LANES)));
 
-// The conditional operator, lane by lane: compilers know these as single instructions.
+// The conditional operator works lane by lane, and compilers turn these into single instructions.
 inline Floats lower(Floats a, Floats b) {
     return a < b ? a : b;
 }
@@ -36,8 +36,8 @@ inline void store(T* p, V v) {
 }
 
 inline Ints snapped(Floats v) {
-    // 1.5 * 2^23: the sum's last bit is worth one, and the bits below the constant's are the integer.
-    // Unsigned: what lies far outside the guard band wraps, and is clipped.
+    // The constant is 1.5 * 2^23: the sum's last bit is worth one, and the bits below the constant's are the integer.
+    // Unsigned, because values far outside the guard band wrap; those are clipped.
     return (Ints)((Words)(v + snap_rounder) - snap_rounder_bits);
 }
 
@@ -69,7 +69,7 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to
             store(out.y[c] + first, y[c]);
             store(out.q[c] + first, q[c]);
         }
-        // Rounding keeps order: the box is snapped, its corners where it matters.
+        // Rounding keeps the order, so snapping the box suffices; corners are snapped where they matter.
         const Floats low_x = lower(lower(x[0], x[1]), x[2]), high_x = upper(upper(x[0], x[1]), x[2]);
         const Floats low_y = lower(lower(y[0], y[1]), y[2]), high_y = upper(upper(y[0], y[1]), y[2]);
         const float guard = SampleProjection::guard_band * 256;
@@ -77,7 +77,7 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to
             (Ints)(low_x > -guard) & (Ints)(high_x < guard) & (Ints)(low_y > -guard) & (Ints)(high_y < guard);
         const Ints gone = behind[0] & behind[1] & behind[2];
         const Ints clip = (~in_guard_band | behind[0] | behind[1] | behind[2]) & ~gone;
-        // Samples i with 256 i + 128 inside [lowest, highest].
+        // A sample i is inside if 256 i + 128 is in [lowest, highest].
         const Ints x0 = (snapped(low_x) + 127) >> 8, x1 = (snapped(high_x) - 128) >> 8;
         const Ints y0 = (snapped(low_y) + 127) >> 8, y1 = (snapped(high_y) - 128) >> 8;
         const Ints holds_no_sample = (Ints)(x0 > x1) | (Ints)(y0 > y1) | (Ints)(x0 >= to.end_x) |
