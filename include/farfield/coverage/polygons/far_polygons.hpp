@@ -1,5 +1,5 @@
-// The far field over coverage masks: faces and splats become polygons that cover a part of the samples they lie on, or
-// that are deposited there.
+// The far field over coverage masks: faces and splats become polygons that cover a part of the samples they lie on or
+// are deposited there.
 #pragma once
 
 #include <cstddef>
@@ -21,18 +21,19 @@
 
 namespace farfield {
 
-/// How far-field cells meet masks.
+/// How far-field cells are combined with masks.
 enum class FarCoverage : std::uint8_t {
-    /// Opacity is a part of the 64 samples, chosen anew for every cell and pixel: in cells of a pixel closed surfaces
-    /// stay closed. In larger ones single sheets get holes.
+    /// Opacity becomes a part of the 64 samples, chosen anew for every cell and pixel: with cells of a pixel closed
+    /// surfaces stay closed, but with larger ones single sheets get holes.
     samples,
-    /// By the area law, transmittances on top of the masks: large cells of sheets leak a quarter as much, but where far
-    /// cells adjoin geometry within a pixel a closed surface is torn. For box-filtered images; others take `samples`.
+    /// Transmittances follow the area law on top of the masks: large cells of sheets leak a quarter as much, but a
+    /// closed
+    /// surface is torn where far cells adjoin geometry within a pixel. Without a box filter this means `samples`.
     area_law,
 };
 
-/// For as long as the view stays. What is called tile(TilePolygon&) is given `polygon` again and again, its depth set,
-/// and may write to its surface.
+/// Valid as long as the view stays the same. tile(TilePolygon&) gets `polygon` again and again, with its depth set, and
+/// may write to its surface.
 template <class Tile>
 class FarPolygons {
   public:
@@ -77,7 +78,7 @@ class FarPolygons {
         if (!(x - half.x > -guard && x + half.x < guard && y - half.y > -guard && y + half.y < guard)) return;
         const glm::vec3 rgb = glm::vec3(float(splat.rgb.r), float(splat.rgb.g), float(splat.rgb.b)) * (1 / 255.0f);
         const auto law = AreaLaw(splat.rgb.a);
-        // A rectangle narrower than a sample would fall between samples: what it lacks in opacity it has in size.
+        // A rectangle narrower than a sample would fall between samples, so it grows and its opacity shrinks.
         const glm::vec2 grown = glm::max(half, glm::vec2(128));
         const float opacity = splat.opacity * (half.x * half.y) / (grown.x * grown.y);
         const std::int32_t left = snapped_to_256th(x - grown.x), right = snapped_to_256th(x + grown.x);

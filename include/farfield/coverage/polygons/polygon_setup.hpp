@@ -1,5 +1,5 @@
-// From a hierarchy's polygons to convex ones on the screen, ready to be tiled: projected, snapped, turned clockwise,
-// lit, and clipped where they must be.
+// Turns a hierarchy's polygons into convex ones on the screen, ready to be tiled: projected, snapped, turned clockwise,
+// lit, and clipped if they must be.
 #pragma once
 
 #include <algorithm>
@@ -24,11 +24,11 @@
 
 namespace farfield {
 
-/// For as long as view and stream stay. `light` is in the stream's axes; null: colors as they are.
+/// Valid as long as view and stream stay the same. `light` is in the stream's axes; null leaves colors as they are.
 ///
-/// Tile says what becomes of polygons: tile(TilePolygon&), which is given `polygon` again and again and may write to
-/// its surface. Tile::needs_depth: whether the surface's depth is to be set. Tile::reach_of_samples: how far from its
-/// regular center a sample may be, 1/256 sample.
+/// Tile receives the polygons: tile(TilePolygon&) gets `polygon` again and again and may write to its surface.
+/// Tile::needs_depth says whether the surface's depth is to be set, Tile::reach_of_samples how far from its regular
+/// center a sample may be, in 1/256 sample.
 template <class Tile>
 class PolygonSetup {
   public:
@@ -41,10 +41,10 @@ class PolygonSetup {
           polygon_(polygon),
           tile_(tile) {}
 
-    /// A record of the stream. Nothing is tiled where it holds no sample of the image or is turned away; triangles are
-    /// where snapping bends it or where it has to be clipped.
+    /// Draws a record of the stream. Nothing is tiled if it holds no sample of the image or is turned away; triangles
+    /// are tiled if snapping bends it or if it has to be clipped.
     void draw(const PolygonRecord& r) {
-        // Four corners side by side, as SampleProjection does one.
+        // Projects four corners side by side, as SampleProjection does one.
         typedef float Floats __attribute__((vector_size(16)));
         typedef std::int32_t Ints __attribute__((vector_size(16)));
         constexpr float guard = SampleProjection::guard_band * 256;
@@ -79,7 +79,7 @@ class PolygonSetup {
     }
 
   private:
-    /// In all four lanes.
+    /// Whether all four lanes are set.
     template <class Ints>
     static bool is_set(const Ints& lanes) {
         std::uint64_t halves[2];
@@ -107,7 +107,7 @@ class PolygonSetup {
         const bool is_clockwise = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0 && turns[3] >= 0;
         const bool is_front = turns[0] <= 0 && turns[1] <= 0 && turns[2] <= 0 && turns[3] <= 0;
         if (is_clockwise == is_front) {
-            // Snapping bent it, or it is nothing: then both were 0 throughout.
+            // Snapping bent it, or both are true because all turns are 0 and nothing is left.
             if (is_front) return;
             draw_triangle(r, k, 0, 1, 2, colors);
             draw_triangle(r, k, 0, 2, 3, colors);
@@ -171,8 +171,8 @@ class PolygonSetup {
         return x0 > x1 || y0 > y1 || x0 >= to_.end_x || y0 >= to_.end_y || x1 < to_.first_x || y1 < to_.first_y;
     }
 
-    /// Null colors: the record's one. Else four, in the order that corners had before they were turned clockwise: those
-    /// of the triangle, and one more that the surface has.
+    /// Null `colors` stand for the record's one. Otherwise there are four: those of the triangle, in the order of
+    /// corners before they were turned clockwise, and one more that the surface has.
     void shade(const PolygonRecord& r, bool is_front, const Rgba8* colors, const SnappedTriangle& clockwise) {
         Surface& s = polygon_.surface;
         s.is_background = s.is_fraction = s.is_deposit = false;

@@ -1,4 +1,4 @@
-// A given number of a pixel's 64 samples, scattered over it.
+// Chooses a given number of a pixel's 64 samples, scattered over it.
 #pragma once
 
 #include <algorithm>
@@ -25,9 +25,9 @@ inline constexpr auto first_samples = [] {
 }();
 }  // namespace detail
 
-/// alpha / 255 of the samples, up to one more or less, which on average is none. Of two things over one another each
-/// then covers its part of what the other leaves, on average: the mask is turned by a hash of thing and pixel. The same
-/// in every frame. (x, y) is the pixel's first sample.
+/// Chooses alpha / 255 of the samples: exactly so on average, at most one more or less in a pixel, the same in every
+/// frame. The mask is turned by a hash of thing and pixel, so that of two things over one another each covers, on
+/// average, its part of what the other leaves. (x, y) is the pixel's first sample.
 inline std::uint64_t scattered_samples(std::uint8_t alpha, std::uint32_t hash, int x, int y) {
     std::uint32_t h = std::uint32_t(x) * 0x9e3779b1u ^ std::uint32_t(y) * 0x85ebca77u ^ hash;
     h = (h ^ h >> 15) * 0x2c1b3c6du;

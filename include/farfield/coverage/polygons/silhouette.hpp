@@ -20,14 +20,14 @@
 
 namespace farfield {
 
-/// Convex whatever rounding does: the hull of the snapped corners, in integers. Two corners or one where all of the box
-/// is snapped to a line or a point: of use to who asks with a polygon grown. Rejected: the table of outlines by the
-/// eye's region, whose corners rounding may turn inwards.
+/// The outline is the hull of the snapped corners, in integers, and so convex whatever rounding does. It has two
+/// corners or one if the whole box is snapped to a line or a point, which still serves a query that grows it. Rejected:
+/// the table of outlines by the eye's region, whose corners rounding may turn inwards.
 struct Silhouette {
     TilePolygon outline;
     BoxFronts fronts;
 
-    /// False where the box reaches behind the near plane or so far off the screen that it would have to be clipped.
+    /// Returns false if the box reaches behind the near plane or so far off the screen that it needs clipping.
     bool project(glm::vec3 center, glm::vec3 half, const SampleProjection& to) {
         std::array<Point, 8> points;
         const float guard = SampleProjection::guard_band * 256;
@@ -45,7 +45,7 @@ struct Silhouette {
             high = corner == 0 ? glm::vec2(x, y) : glm::max(high, glm::vec2(x, y));
             least_depth = corner == 0 ? p.z : std::min(least_depth, p.z);
         }
-        // A box is nowhere nearer than its nearest corner, but for rounding, which goes by what depths are sums of.
+        // A box is nowhere nearer than its nearest corner, up to rounding, which grows with the terms of a depth.
         const float rounding = glm::dot(glm::abs(to.forward), glm::abs(center - to.eye) + half) * 0x1p-20f +
                                std::abs(least_depth) * 0x1p-18f;
         const float depth = std::max(least_depth - rounding, to.near_depth);

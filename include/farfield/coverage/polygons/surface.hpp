@@ -1,4 +1,4 @@
-// What is seen of a polygon at a sample that lies on it: depth, color, and whether it is there at all.
+// What a sample on a polygon sees of it: depth, color, and whether it is there at all.
 #pragma once
 
 #include <array>
@@ -19,36 +19,36 @@ struct Surface {
     DepthPlane depth;
     std::array<Rgba8, 4> colors;  ///< at corners; all the same where it is flat
     SnappedTriangle triangle{};   ///< the first three corners where it is not flat, clockwise
-    ColorGradient gradient{};     ///< likewise, once find_gradient() was called
+    ColorGradient gradient{};     ///< where it is not flat, once find_gradient() was called
     std::uint32_t hash = 0;       ///< chooses samples where alpha is below 255
-    bool is_flat = true;          ///< of one color
-    bool is_solid = true;         ///< alpha is 255 everywhere: covers every sample that it lies on
+    bool is_flat = true;          ///< has one color
+    bool is_solid = true;         ///< alpha is 255 everywhere: covers all samples on it
     bool is_perspective = true;
-    /// Part of the far field: alpha of colors[0] is the part of a pixel's samples to cover, their number is exact.
+    /// Part of the far field: alpha of colors[0] is the part of a pixel's samples that it covers.
     bool is_fraction = false;
-    /// Part of the far field that is deposited instead: covers nothing, takes this part of what comes from behind.
+    /// Part of the far field that is deposited instead: it covers nothing and takes `loss` of what comes from behind.
     bool is_deposit = false;
     Loss loss{};
     glm::vec3 far_rgb{0};        ///< in [0, 1], not premultiplied
-    bool is_background = false;  ///< keeps its alpha, and covers whatever that is
+    bool is_background = false;  ///< keeps its alpha, and covers whatever its alpha is
 
     [[gnu::always_inline]] void find_gradient() { gradient = ColorGradient(triangle, colors, is_perspective); }
 
-    /// What a sample that shows the surface shows: alpha has chosen the samples, and is spent.
+    /// The color of a sample that shows the surface: opaque, because alpha has already chosen the samples.
     [[gnu::always_inline]] Rgba8 seen_color() const { return seen(colors[0]); }  ///< where it is flat
     Rgba8 seen_color_at(int x, int y) const { return seen(color_at(x, y)); }
-    /// One for the 8 x 8 samples of a pixel, the first of which is (x, y), as if the surface went on beyond its
+    /// One color for the 8 x 8 samples of a pixel, the first of which is (x, y), as if the surface went on beyond its
     /// corners: "for each visible fragment, a single shading value is computed" (Greene 1996, section 2.2).
     [[gnu::always_inline]] Rgba8 seen_color_of_pixel(int x, int y) const { return seen(color_of_pixel(x, y)); }
 
-    /// Likewise of eight pixels in a row.
+    /// The same for eight pixels in a row.
     [[gnu::always_inline]] std::array<Rgba8, 8> seen_colors_of_pixels(int x, int y) const {
         auto eight = gradient.eight_pixels(float(x) + 4, float(y) + 4);
         for (Rgba8& c : eight) c = seen(c);
         return eight;
     }
 
-    /// Of 8 x 8 samples those that a translucent surface covers: see covered_by_hash.
+    /// Those of 8 x 8 samples that a translucent surface covers: see covered_by_hash.
     std::uint64_t hashed_samples(int x, int y, bool shades_samples) const {
         if (is_fraction) return scattered_samples(colors[0].a, hash, x, y);
         std::uint64_t mask = 0;
@@ -76,16 +76,16 @@ struct Surface {
     }
 };
 
-/// A convex polygon ready to be tiled, on the screen: clockwise, rows running downwards.
+/// A convex polygon on the screen, ready to be tiled: clockwise, rows running downwards.
 struct TilePolygon {
-    /// A silhouette of a box has six, a quadrilateral cut by the near plane and the guard band nine and comes in parts.
+    /// A box's silhouette has six; a quadrilateral cut by the near plane and the guard band has nine and is split.
     static constexpr int most_corners = 6;
 
     int corners = 0;
     std::array<std::int32_t, most_corners> x, y;  ///< 1/256 sample, relative to the center sample, below 2^22
     Surface surface{};
 
-    /// Clockwise. Depth is left to the caller, who may not need it.
+    /// Takes a clockwise triangle. Depth is left to the caller, who may not need it.
     void set_triangle(const SnappedTriangle& t) {
         corners = 3;
         for (unsigned c = 0; c < 3; ++c) {
@@ -93,7 +93,7 @@ struct TilePolygon {
             y[c] = t.y[c];
         }
     }
-    /// Upright, square to the view.
+    /// Makes an upright rectangle that faces the view.
     void set_rectangle(std::int32_t left, std::int32_t top, std::int32_t right, std::int32_t bottom, float q) {
         corners = 4;
         x = {left, right, right, left};
