@@ -1,5 +1,5 @@
 // A renderer that never touches a hidden sample twice: hierarchical polygon tiling with coverage masks (Greene 1996).
-// 64 samples a pixel cost about what one costs others, and it tells any hierarchy which cells are hidden.
+// 64 samples a pixel cost about as much as one does elsewhere, and it tells any hierarchy which cells are hidden.
 #pragma once
 
 #include <cstddef>
@@ -38,12 +38,11 @@ struct CoverageOptions {
     FarCoverage far_coverage = FarCoverage::samples;
 };
 
-/// Draws what a Viewer hands over; the picture is image() after the frame. Colors that differ over a primitive are
-/// taken once a pixel. Primitives with alpha below 255 cover that part of the samples, chosen as ZBufferRenderer does.
+/// Draws for a Viewer; the picture is image() after the frame. Colors that differ over a primitive are evaluated once a
+/// pixel. Primitives with alpha below 255 cover that part of the samples, chosen as ZBufferRenderer does.
 ///
-/// `strict` wants primitives front to back, and hierarchies that promise it: nothing is compared, nothing is written
-/// twice. `lazy` takes any order and gives the samples of a z-buffer; what comes nearly front to back costs little
-/// more.
+/// `strict` needs primitives front to back, from hierarchies that promise it: nothing is compared or written twice.
+/// `lazy` takes any order and gives the samples of a z-buffer; nearly front to back it costs little more.
 template <class Traits>
 class BasicCoverageRenderer {
     static constexpr bool is_lazy = Traits::order == CoverageOrder::lazy;
@@ -64,9 +63,9 @@ class BasicCoverageRenderer {
         : options_(options), light_(options.light), tiler_(options.simd) {}
 
     const Image& image() const { return image_; }
-    /// Of the last frame.
+    /// The work of the last frame.
     const typename Traits::work& work() const { return target_.work; }
-    /// Of the coverage pyramid: 1 2/63 bits a sample where the image's sides are powers of 8.
+    /// The size of the coverage pyramid: 1 2/63 bits a sample where the image's sides are powers of 8.
     std::size_t pyramid_bytes() const { return target_.pyramid.bytes(); }
 
     template <PrimitiveWithPolygons P>
@@ -79,7 +78,7 @@ class BasicCoverageRenderer {
     }
     void release(std::uint32_t id) { streams_[id].reset(); }
 
-    /// Throws std::invalid_argument for images of no or too many samples: 31,000 on a side.
+    /// Throws std::invalid_argument for images of no samples or more than 31,000 on a side.
     void begin_frame(const LocalView& view) {
         constexpr int limit = 31000 / samples_a_side;
         if (view.width < 1 || view.height < 1 || view.width > limit || view.height > limit) {
@@ -136,13 +135,13 @@ class BasicCoverageRenderer {
         auto polygons = far_polygons();
         for (const Splat& splat : splats) polygons.add(splat);
     }
-    /// A pixel or two: an upright rectangle is all the shape that shows.
+    /// In a pixel or two no more shape shows than an upright rectangle's.
     float largest_splat_px() const { return 2.0f; }
 
-    /// Asked front to back: hidden behind what was drawn before. A box that reaches behind the near plane never is.
+    /// Whether a cell is hidden by what was drawn before; ask front to back. No box that crosses the near plane is.
     bool hidden(const Cell& cell, CellId) {
         if (!silhouette_.project(cell.bounds_center, cell.bounds_half, to_)) return false;
-        // Contents are projected and snapped by themselves, and may lie that much outside.
+        // Contents are projected and snapped on their own, and may lie this much outside.
         constexpr int rounding = 8;
         return !tiler_.is_seen(target_, silhouette_, rounding);
     }
@@ -150,7 +149,7 @@ class BasicCoverageRenderer {
   private:
     using Target = CoverageTarget<Traits>;
 
-    /// What becomes of polygons.
+    /// Passes polygons to the tiler.
     struct Tile {
         static constexpr bool needs_depth = is_lazy;
         static constexpr int reach_of_samples = Target::reach_of_samples;
@@ -180,12 +179,12 @@ class BasicCoverageRenderer {
     Image image_;
 };
 
-/// Any hierarchy, any order.
+/// Takes any hierarchy, in any order.
 using CoverageRenderer = BasicCoverageRenderer<LazyCoverage>;
-/// Hierarchies that keep strict order: SpatialHierarchy<PolygonBsp, Exact, ...> and the like.
+/// Takes hierarchies that keep strict order: SpatialHierarchy<PolygonBsp, Exact, ...> and the like.
 using StrictCoverageRenderer = BasicCoverageRenderer<StrictCoverage>;
 
-/// Strict where the hierarchy promises strict order, lazy elsewhere.
+/// This is strict for hierarchies that promise strict order and lazy for others.
 template <class H>
 using CoverageRendererFor =
     std::conditional_t<H::ordering == OrderGuarantee::primitives, StrictCoverageRenderer, CoverageRenderer>;

@@ -1,6 +1,6 @@
 // Hierarchical z-buffering: N. Greene, M. Kass, G. Miller, "Hierarchical Z-buffer Visibility", SIGGRAPH 1993. A
-// z-buffer under a z-pyramid, which is asked about cells before anything in them is touched and about polygons before
-// they are scan converted.
+// z-pyramid over the z-buffer tests cells before anything in them is touched and polygons before they are scan
+// converted.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace farfield {
 
-/// As DepthTestedFill, but not for what the pyramid hides.
+/// Fills like DepthTestedFill, but rejects triangles that the pyramid hides.
 class PyramidTestedFill {
   public:
     PyramidTestedFill(const SampleProjection& to, DepthPyramid& pyramid, const DepthTestedFill& fill)
@@ -38,7 +38,7 @@ class PyramidTestedFill {
     }
 
   private:
-    /// Of a box in 1/256 samples, and what lies in it no nearer than q; also if it holds no sample.
+    /// Whether a box in 1/256 samples holds no sample, or its contents, at q or farther, are hidden.
     bool is_hidden(std::int32_t left, std::int32_t top, std::int32_t right, std::int32_t bottom, float q) const {
         const int x0 = std::max((left + 127) >> 8, to_.first_x), x1 = std::min((right - 128) >> 8, to_.end_x - 1);
         const int y0 = std::max((top + 127) >> 8, to_.first_y), y1 = std::min((bottom - 128) >> 8, to_.end_y - 1);
@@ -51,8 +51,8 @@ class PyramidTestedFill {
     const DepthTestedFill& fill_;
 };
 
-/// Draws what ZBufferRenderer draws: the picture of the same ranges is the same, bit for bit, in whatever order they
-/// come. Front to back, which it asks for but does not need, less of them comes at all.
+/// Draws what ZBufferRenderer draws: the same ranges give the same picture, bit for bit, in any order. It asks for
+/// front to back, without needing it, because fewer ranges then come at all.
 class HierarchicalZRenderer {
   public:
     static constexpr RendererFacts facts{.order = VisitOrder::front_to_back,
@@ -74,7 +74,7 @@ class HierarchicalZRenderer {
     }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
 
-    /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
+    /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {
         canvas_.begin_frame(view);
         const SampleProjection& to = canvas_.projection();
@@ -92,12 +92,12 @@ class HierarchicalZRenderer {
     void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
 
     bool deposits_primitives() const { return canvas_.options().deposits_small_triangles; }
-    /// Two samples: a deposit then touches at most three by three.
+    /// This is two samples: a deposit then touches at most three by three.
     float largest_splat_px() const { return 2.0f / float(canvas_.samples_a_side()); }
 
-    /// Whether geometry drawn before is nearer than the cell's bounds in every sample that these touch: then nothing in
-    /// the cell changes an exact picture. Of cells that reach to the near plane that is never said. In a far field
-    /// closed samples hide too, as ZBufferRenderer::hidden has it.
+    /// Whether geometry drawn before is nearer than the cell's bounds in every sample that these touch: nothing in the
+    /// cell then changes an exact picture. It is false for cells that reach to the near plane. In a far field closed
+    /// samples hide too, as in ZBufferRenderer::hidden.
     bool hidden(const Cell& cell, CellId) {
         const SampleProjection& to = canvas_.projection();
         const BoxFootprint at(cell.bounds_center, cell.bounds_half, to);

@@ -34,7 +34,7 @@ struct PainterOptions {
     Simd simd = Simd::automatic;              ///< all give the same picture
 };
 
-/// Whatever comes later lies in front.
+/// Overwrites: anything that comes later lies in front.
 class OverwritingFill {
   public:
     OverwritingFill(const SampleProjection& to, ColorSamples& samples, const SampleRows& rows)
@@ -42,7 +42,7 @@ class OverwritingFill {
 
     static constexpr bool rejects(const SnappedTriangle&) { return false; }
 
-    /// As DepthTestedFill.
+    /// See DepthTestedFill.
     template <class Prepare, class Shade>
     void operator()(const SnappedTriangle& t, std::int64_t, Prepare&& prepare, const Shade& shade) const {
         bool prepared = false;
@@ -76,8 +76,8 @@ class OverwritingFill {
     const SampleRows& rows_;
 };
 
-/// Back to front it draws the picture that ZBufferRenderer draws, if no two primitives meet in a sample at the same
-/// depth and each lies behind all that come after it wherever they overlap. It keeps no depth, and nothing hides.
+/// Draws the picture of ZBufferRenderer if no two primitives meet in a sample at the same depth and each lies behind
+/// all later ones wherever they overlap. It keeps no depth, and nothing is hidden.
 class PainterRenderer {
   public:
     static constexpr RendererFacts facts{
@@ -99,7 +99,7 @@ class PainterRenderer {
     }
     void release(std::uint32_t id) { streams_.release(id); }
 
-    /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
+    /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {
         check_image_size(view, side_, "PainterRenderer");
         to_ = SampleProjection(view, side_);
@@ -112,7 +112,7 @@ class PainterRenderer {
     }
     void end_frame() { samples_.resolve(image_); }
 
-    /// In the order in which ranges come, and positions in them.
+    /// Draws in the order of the ranges and of the positions in them.
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
         const TriangleStream& stream = streams_[source.id];
