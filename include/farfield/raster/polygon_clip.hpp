@@ -32,19 +32,21 @@ class ClippedPolygon {
     static constexpr std::size_t largest_input = 8;
 
     /// Takes local coordinates.
-    void add(glm::vec3 corner, const SampleProjection& to, glm::vec4 color = glm::vec4(0)) {
+    void add(glm::vec3 corner, const SampleProjection& projection, glm::vec4 color = glm::vec4(0)) {
         if (count_ == largest_input) return;
-        const glm::dvec3 d = glm::dvec3(corner) - glm::dvec3(to.eye);
-        const glm::dvec3 p(glm::dot(glm::dvec3(to.right), d), glm::dot(glm::dvec3(to.down), d),
-                           glm::dot(glm::dvec3(to.forward), d));
-        vertices_[count_++] = {p, to.project(corner), color, false};
+        const glm::dvec3 d = glm::dvec3(corner) - glm::dvec3(projection.eye);
+        const glm::dvec3 p(glm::dot(glm::dvec3(projection.right), d), glm::dot(glm::dvec3(projection.down), d),
+                           glm::dot(glm::dvec3(projection.forward), d));
+        vertices_[count_++] = {p, projection.project(corner), color, false};
     }
 
     /// Leaves the part beyond the near plane and inside the guard band.
-    void clip(const SampleProjection& to) {
-        if (std::isfinite(to.near_depth)) cut([&](const glm::dvec3& p) { return p.z - double(to.near_depth); });
+    void clip(const SampleProjection& projection) {
+        if (std::isfinite(projection.near_depth))
+            cut([&](const glm::dvec3& p) { return p.z - double(projection.near_depth); });
         const auto w = [&](const glm::dvec3& p) {
-            return double(SampleProjection::guard_band * 256) * (p.z * double(to.depth_weight) + double(to.depth_bias));
+            return double(SampleProjection::guard_band * 256) *
+                   (p.z * double(projection.depth_weight) + double(projection.depth_bias));
         };
         cut([&](const glm::dvec3& p) { return w(p) - p.x; });
         cut([&](const glm::dvec3& p) { return w(p) + p.x; });
@@ -56,18 +58,18 @@ class ClippedPolygon {
     const Vertex& operator[](std::size_t i) const { return vertices_[i]; }
 
     /// Sets corner `corner` of a triangle to the position that triage() and snapping would give it.
-    void snap(std::size_t vertex, const SampleProjection& to, SnappedTriangle& t, unsigned corner) const {
+    void snap(std::size_t vertex, const SampleProjection& projection, SnappedTriangle& t, unsigned corner) const {
         const Vertex& v = vertices_[vertex];
         if (v.is_cut) {
-            const double inverse = 1.0 / (v.p.z * double(to.depth_weight) + double(to.depth_bias));
-            t.x[corner] = snapped_to_256th(float(v.p.x * inverse + double(to.offset_x)));
-            t.y[corner] = snapped_to_256th(float(v.p.y * inverse + double(to.offset_y)));
-            t.q[corner] = float(inverse * double(to.q_of_inverse) + v.p.z * double(to.q_of_depth));
+            const double inverse = 1.0 / (v.p.z * double(projection.depth_weight) + double(projection.depth_bias));
+            t.x[corner] = snapped_to_256th(float(v.p.x * inverse + double(projection.offset_x)));
+            t.y[corner] = snapped_to_256th(float(v.p.y * inverse + double(projection.offset_y)));
+            t.q[corner] = float(inverse * double(projection.q_of_inverse) + v.p.z * double(projection.q_of_depth));
         } else {
-            const float inverse = to.inverse_w(v.rounded.z);
-            t.x[corner] = snapped_to_256th(v.rounded.x * inverse + to.offset_x);
-            t.y[corner] = snapped_to_256th(v.rounded.y * inverse + to.offset_y);
-            t.q[corner] = to.q(v.rounded.z, inverse);
+            const float inverse = projection.inverse_w(v.rounded.z);
+            t.x[corner] = snapped_to_256th(v.rounded.x * inverse + projection.offset_x);
+            t.y[corner] = snapped_to_256th(v.rounded.y * inverse + projection.offset_y);
+            t.q[corner] = projection.q(v.rounded.z, inverse);
         }
     }
 

@@ -85,20 +85,20 @@ class BasicCoverageRenderer {
             throw std::invalid_argument("farfield::CoverageRenderer: an image must have 1 to " + std::to_string(limit) +
                                         " pixels on a side");
         }
-        to_ = SampleProjection(view, samples_a_side);
-        target_.begin(view.width, view.height, to_.first_x, to_.first_y);
+        projection_ = SampleProjection(view, samples_a_side);
+        target_.begin(view.width, view.height, projection_.first_x, projection_.first_y);
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
-        to_ = SampleProjection(view, samples_a_side);
+        projection_ = SampleProjection(view, samples_a_side);
         light_.set_view(view);
     }
     /// "We composite a screen-sized polygon of the desired background color, thereby tiling all remaining vacant
     /// pixels" (section 4.5).
     void end_frame() {
         polygon_.surface = {};
-        polygon_.set_rectangle(256 * to_.first_x, 256 * to_.first_y, 256 * to_.end_x, 256 * to_.end_y,
-                               -std::numeric_limits<float>::infinity());
+        polygon_.set_rectangle(256 * projection_.first_x, 256 * projection_.first_y, 256 * projection_.end_x,
+                               256 * projection_.end_y, -std::numeric_limits<float>::infinity());
         polygon_.surface.is_background = true;
         polygon_.surface.colors.fill(options_.background);
         auto work = std::move(target_.work);
@@ -140,7 +140,7 @@ class BasicCoverageRenderer {
 
     /// Whether a cell is hidden by what was drawn before; ask front to back. No box that crosses the near plane is.
     bool hidden(const Cell& cell, CellId) {
-        if (!silhouette_.project(cell.bounds_center, cell.bounds_half, to_)) return false;
+        if (!silhouette_.project(cell.bounds_center, cell.bounds_half, projection_)) return false;
         // Contents are projected and snapped on their own, and may lie this much outside.
         constexpr int rounding = 8;
         return !tiler_.is_seen(target_, silhouette_, rounding);
@@ -160,18 +160,18 @@ class BasicCoverageRenderer {
     };
 
     PolygonSetup<Tile> setup_of(const PolygonStream& stream) {
-        return {stream, to_, light_.light(), options_.culls_back_faces, polygon_, Tile{tiler_, target_}};
+        return {stream, projection_, light_.light(), options_.culls_back_faces, polygon_, Tile{tiler_, target_}};
     }
     FarPolygons<Tile> far_polygons() {
         const auto coverage = Target::samples_type::takes_deposits ? options_.far_coverage : FarCoverage::samples;
-        return {to_, coverage, polygon_, Tile{tiler_, target_}};
+        return {projection_, coverage, polygon_, Tile{tiler_, target_}};
     }
 
     CoverageOptions options_;
     LightInView light_;
     CoverageTiler<Target> tiler_;
     Target target_;
-    SampleProjection to_;
+    SampleProjection projection_;
     TilePolygon polygon_;  ///< the one at work
     Silhouette silhouette_;
     std::vector<std::unique_ptr<PolygonStream>> streams_;

@@ -21,8 +21,8 @@ namespace farfield {
 /// Fills like DepthTestedFill, but rejects triangles that the pyramid hides.
 class PyramidTestedFill {
   public:
-    PyramidTestedFill(const SampleProjection& to, DepthPyramid& pyramid, const DepthTestedFill& fill)
-        : to_(to), pyramid_(pyramid), fill_(fill) {}
+    PyramidTestedFill(const SampleProjection& projection, DepthPyramid& pyramid, const DepthTestedFill& fill)
+        : projection_(projection), pyramid_(pyramid), fill_(fill) {}
 
     SampleBuffers& buffers() const { return fill_.buffers(); }
 
@@ -40,13 +40,16 @@ class PyramidTestedFill {
   private:
     /// Whether a box in 1/256 samples holds no sample, or its contents, at q or farther, are hidden.
     bool is_hidden(std::int32_t left, std::int32_t top, std::int32_t right, std::int32_t bottom, float q) const {
-        const int x0 = std::max((left + 127) >> 8, to_.first_x), x1 = std::min((right - 128) >> 8, to_.end_x - 1);
-        const int y0 = std::max((top + 127) >> 8, to_.first_y), y1 = std::min((bottom - 128) >> 8, to_.end_y - 1);
+        const int x0 = std::max((left + 127) >> 8, projection_.first_x),
+                  x1 = std::min((right - 128) >> 8, projection_.end_x - 1);
+        const int y0 = std::max((top + 127) >> 8, projection_.first_y),
+                  y1 = std::min((bottom - 128) >> 8, projection_.end_y - 1);
         return x0 > x1 || y0 > y1 ||
-               pyramid_.all_nearer(x0 - to_.first_x, y0 - to_.first_y, x1 - to_.first_x, y1 - to_.first_y, q);
+               pyramid_.all_nearer(x0 - projection_.first_x, y0 - projection_.first_y, x1 - projection_.first_x,
+                                   y1 - projection_.first_y, q);
     }
 
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     DepthPyramid& pyramid_;
     const DepthTestedFill& fill_;
 };
@@ -77,8 +80,9 @@ class HierarchicalZRenderer {
     /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {
         canvas_.begin_frame(view);
-        const SampleProjection& to = canvas_.projection();
-        pyramid_.begin(canvas_.buffers().depth(), to.end_x - to.first_x, to.end_y - to.first_y);
+        const SampleProjection& projection = canvas_.projection();
+        pyramid_.begin(canvas_.buffers().depth(), projection.end_x - projection.first_x,
+                       projection.end_y - projection.first_y);
     }
     void set_view(const LocalView& view) { canvas_.set_view(view); }
     void end_frame() { canvas_.end_frame(); }
@@ -99,16 +103,17 @@ class HierarchicalZRenderer {
     /// cell then changes an exact picture. It is false for cells that reach to the near plane. In a far field closed
     /// samples hide too, as in ZBufferRenderer::hidden.
     bool hidden(const Cell& cell, CellId) {
-        const SampleProjection& to = canvas_.projection();
-        const BoxFootprint at(cell.bounds_center, cell.bounds_half, to);
+        const SampleProjection& projection = canvas_.projection();
+        const BoxFootprint at(cell.bounds_center, cell.bounds_half, projection);
         if (!at.is_bounded) return false;
         if (at.is_empty()) return true;
         SampleBuffers& buffers = canvas_.buffers();
         const auto nearest = [&](int x0, int y0, int x1, int y1) {
-            return at.fronts.nearest_in(x0 + to.first_x, y0 + to.first_y, x1 + to.first_x, y1 + to.first_y);
+            return at.fronts.nearest_in(x0 + projection.first_x, y0 + projection.first_y, x1 + projection.first_x,
+                                        y1 + projection.first_y);
         };
-        return pyramid_.all_nearer(at.x0 - to.first_x, at.y0 - to.first_y, at.x1 - to.first_x, at.y1 - to.first_y,
-                                   nearest) ||
+        return pyramid_.all_nearer(at.x0 - projection.first_x, at.y0 - projection.first_y, at.x1 - projection.first_x,
+                                   at.y1 - projection.first_y, nearest) ||
                (buffers.has_far() && buffers.all_settled(at.x0, at.y0, at.x1, at.y1, at.fronts.nearest_q));
     }
 

@@ -37,8 +37,8 @@ struct PainterOptions {
 /// Overwrites: anything that comes later lies in front.
 class OverwritingFill {
   public:
-    OverwritingFill(const SampleProjection& to, ColorSamples& samples, const SampleRows& rows)
-        : to_(to), samples_(samples), rows_(rows) {}
+    OverwritingFill(const SampleProjection& projection, ColorSamples& samples, const SampleRows& rows)
+        : projection_(projection), samples_(samples), rows_(rows) {}
 
     static constexpr bool rejects(const SnappedTriangle&) { return false; }
 
@@ -46,7 +46,7 @@ class OverwritingFill {
     template <class Prepare, class Shade>
     void operator()(const SnappedTriangle& t, std::int64_t, Prepare&& prepare, const Shade& shade) const {
         bool prepared = false;
-        scan_convert(t, to_, [&](int y, int begin, int end) {
+        scan_convert(t, projection_, [&](int y, int begin, int end) {
             if (!prepared) {
                 prepared = true;
                 prepare();
@@ -71,7 +71,7 @@ class OverwritingFill {
     }
 
   private:
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     ColorSamples& samples_;
     const SampleRows& rows_;
 };
@@ -102,12 +102,12 @@ class PainterRenderer {
     /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {
         check_image_size(view, side_, "PainterRenderer");
-        to_ = SampleProjection(view, side_);
-        samples_.begin(to_, side_, options_.background);
+        projection_ = SampleProjection(view, side_);
+        samples_.begin(projection_, side_, options_.background);
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
-        to_ = SampleProjection(view, side_);
+        projection_ = SampleProjection(view, side_);
         light_.set_view(view);
     }
     void end_frame() { samples_.resolve(image_); }
@@ -116,11 +116,11 @@ class PainterRenderer {
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
         const TriangleStream& stream = streams_[source.id];
-        const OverwritingFill fill(to_, samples_, rows_);
-        TrianglePainter<OverwritingFill> painter(stream, to_, light_.light(), options_.culls_back_faces, fill);
+        const OverwritingFill fill(projection_, samples_, rows_);
+        TrianglePainter<OverwritingFill> painter(stream, projection_, light_.light(), options_.culls_back_faces, fill);
         for (const Range& r : ranges) {
-            draw_triangles(stream, stream.first_triangle(r.first), stream.first_triangle(r.first + r.count), to_,
-                           triage_, painter);
+            draw_triangles(stream, stream.first_triangle(r.first), stream.first_triangle(r.first + r.count),
+                           projection_, triage_, painter);
         }
     }
 
@@ -130,7 +130,7 @@ class PainterRenderer {
     TriageFunction triage_;
     SampleRows rows_;
     LightInView light_;
-    SampleProjection to_;
+    SampleProjection projection_;
     ColorSamples samples_;
     TriangleStreams streams_;
     Image image_;

@@ -69,21 +69,23 @@ class ZBufferRenderer {
     bool hidden(const Cell& cell, CellId) {
         SampleBuffers& buffers = canvas_.buffers();
         if (!buffers.has_far()) return false;
-        const SampleProjection& to = canvas_.projection();
-        const glm::vec3 p = to.project(cell.bounds_center);
+        const SampleProjection& projection = canvas_.projection();
+        const glm::vec3 p = projection.project(cell.bounds_center);
         const float radius = std::sqrt(glm::dot(cell.bounds_half, cell.bounds_half));
         // A point of the sphere is projected at most radius (focal + |x|) / (depth - radius) away from its center.
-        const float nearest = to.is_perspective ? p.z - radius : 1.0f;
+        const float nearest = projection.is_perspective ? p.z - radius : 1.0f;
         if (!(nearest > 0)) return false;
-        const float inverse = to.inverse_w(p.z) * (1.0f / 256), x = p.x * inverse, y = p.y * inverse;
-        const float skew = to.is_perspective ? 1.0f : 0.0f, reach = radius / nearest;
-        const float rx = reach * (to.focal + skew * std::abs(x)), ry = reach * (to.focal + skew * std::abs(y));
+        const float inverse = projection.inverse_w(p.z) * (1.0f / 256), x = p.x * inverse, y = p.y * inverse;
+        const float skew = projection.is_perspective ? 1.0f : 0.0f, reach = radius / nearest;
+        const float rx = reach * (projection.focal + skew * std::abs(x)),
+                    ry = reach * (projection.focal + skew * std::abs(y));
         if (!(rx < 64 && ry < 64)) return false;  // large ones are seldom hidden and their children are asked again
-        const float cx = x + to.offset_x * (1.0f / 256), cy = y + to.offset_y * (1.0f / 256);
+        const float cx = x + projection.offset_x * (1.0f / 256), cy = y + projection.offset_y * (1.0f / 256);
         // Nothing is nearer than this q, roundings included; vertices are snapped, hence one more sample around.
-        const float front = to.is_perspective ? nearest : p.z - radius;
+        const float front = projection.is_perspective ? nearest : p.z - radius;
         const float rounding = (std::abs(p.z) + radius) * 0x1p-16f;
-        const float q = to.q(front - rounding, to.inverse_w(std::max(front - rounding, 0.5f * nearest)));
+        const float q =
+            projection.q(front - rounding, projection.inverse_w(std::max(front - rounding, 0.5f * nearest)));
         return buffers.all_settled(int(std::floor(cx - rx)) - 1, int(std::floor(cy - ry)) - 1,
                                    int(std::floor(cx + rx)) + 1, int(std::floor(cy + ry)) + 1, q);
     }

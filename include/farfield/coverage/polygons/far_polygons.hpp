@@ -37,8 +37,8 @@ enum class FarCoverage : std::uint8_t {
 template <class Tile>
 class FarPolygons {
   public:
-    FarPolygons(const SampleProjection& to, FarCoverage coverage, TilePolygon& polygon, const Tile& tile)
-        : to_(to), coverage_(coverage), polygon_(polygon), tile_(tile) {}
+    FarPolygons(const SampleProjection& projection, FarCoverage coverage, TilePolygon& polygon, const Tile& tile)
+        : projection_(projection), coverage_(coverage), polygon_(polygon), tile_(tile) {}
 
     void add(const Face& face) {
         if (face.rgba.a == 0) return;
@@ -48,9 +48,9 @@ class FarPolygons {
             glm::vec3 p = face.lower;
             if (corner == 1 || corner == 2) p[u] = face.upper[u];
             if (corner >= 2) p[v] = face.upper[v];
-            clipped.add(p, to_);
+            clipped.add(p, projection_);
         }
-        clipped.clip(to_);
+        clipped.clip(projection_);
         const float opacity = float(face.rgba.a) * (1 / 255.0f);
         const glm::vec3 rgb =
             glm::vec3(float(face.rgba.r), float(face.rgba.g), float(face.rgba.b)) * (1.0f / float(face.rgba.a));
@@ -58,7 +58,7 @@ class FarPolygons {
         for (std::size_t i = 2; i < clipped.size(); ++i) {
             SnappedTriangle t;
             const std::size_t from[3] = {0, i - 1, i};
-            for (unsigned c = 0; c < 3; ++c) clipped.snap(from[c], to_, t, c);
+            for (unsigned c = 0; c < 3; ++c) clipped.snap(from[c], projection_, t, c);
             std::int64_t area = t.doubled_area();
             if (area == 0) continue;
             if (area < 0) t.flip(), area = -area;
@@ -69,11 +69,11 @@ class FarPolygons {
     }
 
     void add(const Splat& splat) {
-        const glm::vec3 p = to_.project(splat.center);
-        if (!(p.z > to_.near_depth)) return;
-        const float inverse = to_.inverse_w(p.z);
-        const float x = p.x * inverse + to_.offset_x, y = p.y * inverse + to_.offset_y;
-        const glm::vec2 half = splat.size * (128.0f * to_.focal * inverse);
+        const glm::vec3 p = projection_.project(splat.center);
+        if (!(p.z > projection_.near_depth)) return;
+        const float inverse = projection_.inverse_w(p.z);
+        const float x = p.x * inverse + projection_.offset_x, y = p.y * inverse + projection_.offset_y;
+        const glm::vec2 half = splat.size * (128.0f * projection_.focal * inverse);
         const float guard = SampleProjection::guard_band * 256;
         if (!(x - half.x > -guard && x + half.x < guard && y - half.y > -guard && y + half.y < guard)) return;
         const glm::vec3 rgb = glm::vec3(float(splat.rgb.r), float(splat.rgb.g), float(splat.rgb.b)) * (1 / 255.0f);
@@ -84,7 +84,7 @@ class FarPolygons {
         const std::int32_t left = snapped_to_256th(x - grown.x), right = snapped_to_256th(x + grown.x);
         const std::int32_t top = snapped_to_256th(y - grown.y), bottom = snapped_to_256th(y + grown.y);
         shade(rgb, opacity, law, hash_of_triangle(splat.center, splat.center, splat.center));
-        polygon_.set_rectangle(left, top, right, bottom, to_.q(p.z, inverse));
+        polygon_.set_rectangle(left, top, right, bottom, projection_.q(p.z, inverse));
         tile_(polygon_);
     }
 
@@ -106,7 +106,7 @@ class FarPolygons {
         }
     }
 
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     FarCoverage coverage_;
     TilePolygon& polygon_;
     Tile tile_;

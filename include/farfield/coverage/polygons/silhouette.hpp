@@ -28,7 +28,7 @@ struct Silhouette {
     BoxFronts fronts;
 
     /// Returns false if the box reaches behind the near plane or so far off the screen that it needs clipping.
-    bool project(glm::vec3 center, glm::vec3 half, const SampleProjection& to) {
+    bool project(glm::vec3 center, glm::vec3 half, const SampleProjection& projection) {
         std::array<Point, 8> points;
         const float guard = SampleProjection::guard_band * 256;
         float least_depth = 0;
@@ -36,9 +36,10 @@ struct Silhouette {
         for (unsigned corner = 0; corner < 8; ++corner) {
             const glm::vec3 side(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y,
                                  corner & 4 ? half.z : -half.z);
-            const glm::vec3 p = to.project(center + side);
-            if (!(p.z > to.near_depth)) return false;
-            const float inverse = to.inverse_w(p.z), x = p.x * inverse + to.offset_x, y = p.y * inverse + to.offset_y;
+            const glm::vec3 p = projection.project(center + side);
+            if (!(p.z > projection.near_depth)) return false;
+            const float inverse = projection.inverse_w(p.z), x = p.x * inverse + projection.offset_x,
+                        y = p.y * inverse + projection.offset_y;
             if (!(x > -guard && x < guard && y > -guard && y < guard)) return false;
             points[corner] = {snapped_to_256th(x), snapped_to_256th(y)};
             low = corner == 0 ? glm::vec2(x, y) : glm::min(low, glm::vec2(x, y));
@@ -46,12 +47,13 @@ struct Silhouette {
             least_depth = corner == 0 ? p.z : std::min(least_depth, p.z);
         }
         // A box is nowhere nearer than its nearest corner, up to rounding, which grows with the terms of a depth.
-        const float rounding = glm::dot(glm::abs(to.forward), glm::abs(center - to.eye) + half) * 0x1p-20f +
-                               std::abs(least_depth) * 0x1p-18f;
-        const float depth = std::max(least_depth - rounding, to.near_depth);
-        const float nearest_q = to.q(depth, to.inverse_w(depth));
-        const float rounding_q = nearest_q - to.q(least_depth, to.inverse_w(least_depth));
-        fronts = BoxFronts(center, half, to, {low, high}, nearest_q, rounding_q);
+        const float rounding =
+            glm::dot(glm::abs(projection.forward), glm::abs(center - projection.eye) + half) * 0x1p-20f +
+            std::abs(least_depth) * 0x1p-18f;
+        const float depth = std::max(least_depth - rounding, projection.near_depth);
+        const float nearest_q = projection.q(depth, projection.inverse_w(depth));
+        const float rounding_q = nearest_q - projection.q(least_depth, projection.inverse_w(least_depth));
+        fronts = BoxFronts(center, half, projection, {low, high}, nearest_q, rounding_q);
 
         // A. M. Andrew, "Another efficient algorithm for convex hulls in two dimensions", 1979.
         std::sort(points.begin(), points.end());

@@ -16,8 +16,8 @@ namespace farfield {
 /// Samples are addressed relative to the projection's center sample. Only what the last frame drew is cleared.
 class ColorSamples {
   public:
-    void begin(const SampleProjection& to, int samples_a_side, Rgba8 background) {
-        const int width = to.end_x - to.first_x, height = to.end_y - to.first_y;
+    void begin(const SampleProjection& projection, int samples_a_side, Rgba8 background) {
+        const int width = projection.end_x - projection.first_x, height = projection.end_y - projection.first_y;
         if (width != width_ || height != height_ || samples_a_side != side_ || !(background == background_)) {
             width_ = width;
             height_ = height;
@@ -31,8 +31,8 @@ class ColorSamples {
             }
         }
         drawn_ = {};
-        first_x_ = to.first_x;
-        first_y_ = to.first_y;
+        first_x_ = projection.first_x;
+        first_y_ = projection.first_y;
     }
 
     /// The colors of row y, indexed with x. The caller reports what it writes by drawn().

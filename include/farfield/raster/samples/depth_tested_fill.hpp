@@ -15,8 +15,8 @@ namespace farfield {
 /// The nearer sample stays; of two at the same depth the larger color stays, in whatever order they come.
 class DepthTestedFill {
   public:
-    DepthTestedFill(const SampleProjection& to, SampleBuffers& buffers, const SampleRows& rows)
-        : to_(to), buffers_(buffers), rows_(rows) {}
+    DepthTestedFill(const SampleProjection& projection, SampleBuffers& buffers, const SampleRows& rows)
+        : projection_(projection), buffers_(buffers), rows_(rows) {}
 
     SampleBuffers& buffers() const { return buffers_; }
 
@@ -29,7 +29,7 @@ class DepthTestedFill {
     void operator()(const SnappedTriangle& t, std::int64_t doubled_area, Prepare&& prepare, const Shade& shade) const {
         DepthPlane plane;
         bool prepared = false;
-        scan_convert(t, to_, [&](int y, int begin, int end) {
+        scan_convert(t, projection_, [&](int y, int begin, int end) {
             if (!prepared) {
                 prepared = true;
                 plane = DepthPlane(t, doubled_area);
@@ -64,7 +64,7 @@ class DepthTestedFill {
     }
 
   private:
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     SampleBuffers& buffers_;
     const SampleRows& rows_;
 };

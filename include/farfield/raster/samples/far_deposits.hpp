@@ -18,7 +18,8 @@ namespace farfield {
 /// SampleBuffers::begin_far() must come before the first deposit.
 class FarDeposits {
   public:
-    FarDeposits(const SampleProjection& to, SampleBuffers& buffers) : to_(to), buffers_(buffers) {}
+    FarDeposits(const SampleProjection& projection, SampleBuffers& buffers)
+        : projection_(projection), buffers_(buffers) {}
 
     /// Deposits a polygon, sample by sample: adjoining faces leave no gap.
     void add(const Face& face) {
@@ -29,20 +30,20 @@ class FarDeposits {
             glm::vec3 p = face.lower;
             if (corner == 1 || corner == 2) p[u] = face.upper[u];
             if (corner >= 2) p[v] = face.upper[v];
-            polygon.add(p, to_);
+            polygon.add(p, projection_);
         }
-        polygon.clip(to_);
+        polygon.clip(projection_);
         add(polygon, face.rgba);
     }
 
     /// Deposits a rectangle: each sample gets its share by overlap.
     void add(const Splat& splat) {
-        const glm::vec3 p = to_.project(splat.center);
-        if (!(p.z > to_.near_depth)) return;
-        const float inverse = to_.inverse_w(p.z), q = to_.q(p.z, inverse);
-        const float x = (p.x * inverse + to_.offset_x) * (1.0f / 256),
-                    y = (p.y * inverse + to_.offset_y) * (1.0f / 256);
-        const glm::vec2 half = splat.size * (0.5f * to_.focal * inverse);
+        const glm::vec3 p = projection_.project(splat.center);
+        if (!(p.z > projection_.near_depth)) return;
+        const float inverse = projection_.inverse_w(p.z), q = projection_.q(p.z, inverse);
+        const float x = (p.x * inverse + projection_.offset_x) * (1.0f / 256),
+                    y = (p.y * inverse + projection_.offset_y) * (1.0f / 256);
+        const glm::vec2 half = splat.size * (0.5f * projection_.focal * inverse);
         const Loss loss = loss_of_opacity(splat.opacity, AreaLaw(splat.rgb.a));
         const glm::vec3 rgb = glm::vec3(float(splat.rgb.r), float(splat.rgb.g), float(splat.rgb.b)) * (1 / 255.0f);
         buffers_.deposit_square(x - half.x, y - half.y, x + half.x, y + half.y, q, loss, rgb);
@@ -57,7 +58,7 @@ class FarDeposits {
         for (std::size_t i = 2; i < polygon.size(); ++i) {
             SnappedTriangle t;
             const std::size_t from[3] = {0, i - 1, i};
-            for (unsigned c = 0; c < 3; ++c) polygon.snap(from[c], to_, t, c);
+            for (unsigned c = 0; c < 3; ++c) polygon.snap(from[c], projection_, t, c);
             std::int64_t doubled_area = t.doubled_area();
             if (doubled_area == 0) continue;
             if (doubled_area < 0) {
@@ -65,7 +66,7 @@ class FarDeposits {
                 doubled_area = -doubled_area;
             }
             const DepthPlane plane(t, doubled_area);
-            scan_convert(t, to_, [&](int y, int begin, int end) {
+            scan_convert(t, projection_, [&](int y, int begin, int end) {
                 const float row = plane.row(y);
                 buffers_.deposit_row(
                     y, begin, end, [&](int x) { return plane.at(row, x); }, loss, rgb);
@@ -73,7 +74,7 @@ class FarDeposits {
         }
     }
 
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     SampleBuffers& buffers_;
 };
 

@@ -27,15 +27,15 @@ namespace farfield {
 /// front of the first deposit, it is the geometry's color alone.
 class SampleBuffers {
   public:
-    void begin(const SampleProjection& to, int samples_a_side, Rgba8 background) {
-        const int width = to.end_x - to.first_x, height = to.end_y - to.first_y;
+    void begin(const SampleProjection& projection, int samples_a_side, Rgba8 background) {
+        const int width = projection.end_x - projection.first_x, height = projection.end_y - projection.first_y;
         if (width != width_ || height != height_ || samples_a_side != side_ || !(background == background_)) {
             resize(width, height, samples_a_side, background);
         } else {
             clear();
         }
-        first_x_ = to.first_x;
-        first_y_ = to.first_y;
+        first_x_ = projection.first_x;
+        first_y_ = projection.first_y;
     }
 
     int samples_a_side() const { return side_; }

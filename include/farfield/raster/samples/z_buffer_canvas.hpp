@@ -37,19 +37,19 @@ class ZBufferCanvas {
     const ZBufferOptions& options() const { return options_; }
     int samples_a_side() const { return side_; }
     const Image& image() const { return image_; }
-    const SampleProjection& projection() const { return to_; }
+    const SampleProjection& projection() const { return projection_; }
     SampleBuffers& buffers() { return buffers_; }
     TriangleStreams& streams() { return streams_; }
 
     /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
     void begin_frame(const LocalView& view) {
         check_image_size(view, side_, renderer_);
-        to_ = SampleProjection(view, side_);
-        buffers_.begin(to_, side_, options_.background);
+        projection_ = SampleProjection(view, side_);
+        buffers_.begin(projection_, side_, options_.background);
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
-        to_ = SampleProjection(view, side_);
+        projection_ = SampleProjection(view, side_);
         light_.set_view(view);
     }
     void end_frame() { buffers_.resolve(image_); }
@@ -58,25 +58,25 @@ class ZBufferCanvas {
     template <class P, class Fill>
     void draw(const Source<P>& source, std::span<const Range> ranges, const Fill& fill) {
         const TriangleStream& stream = streams_[source.id];
-        TrianglePainter<Fill> painter(stream, to_, light_.light(), options_.culls_back_faces, fill);
+        TrianglePainter<Fill> painter(stream, projection_, light_.light(), options_.culls_back_faces, fill);
         for (const Range& r : ranges) {
             const std::uint32_t first = stream.first_triangle(r.first), end = stream.first_triangle(r.first + r.count);
             if (r.law && options_.deposits_small_triangles) {
                 draw_with_deposits(stream, first, end, r.law, painter);
             } else {
-                draw_triangles(stream, first, end, to_, triage_, painter);
+                draw_triangles(stream, first, end, projection_, triage_, painter);
             }
         }
     }
 
     void draw(std::span<const Face> faces) {
         buffers_.begin_far();
-        FarDeposits deposits(to_, buffers_);
+        FarDeposits deposits(projection_, buffers_);
         for (const Face& face : faces) deposits.add(face);
     }
     void draw(std::span<const Splat> splats) {
         buffers_.begin_far();
-        FarDeposits deposits(to_, buffers_);
+        FarDeposits deposits(projection_, buffers_);
         for (const Splat& splat : splats) deposits.add(splat);
     }
 
@@ -89,7 +89,7 @@ class ZBufferCanvas {
         const AreaLaw law = *known_law;
         const Loss opaque = loss_of_opacity(1, law);
         for_triaged_blocks(
-            stream, first, end, to_, triage_small_,
+            stream, first, end, projection_, triage_small_,
             [&](std::uint32_t block, const TriageMasks& masks, const TriagedBlock& triaged, unsigned in_range) {
                 unsigned small = masks.small & in_range;
                 if (options_.culls_back_faces) small &= masks.front;
@@ -122,7 +122,7 @@ class ZBufferCanvas {
     int side_;
     TriageFunction triage_, triage_small_;
     LightInView light_;
-    SampleProjection to_;
+    SampleProjection projection_;
     SampleBuffers buffers_;
     TriangleStreams streams_;
     Image image_;

@@ -52,9 +52,9 @@ struct SeveralColors {
 template <class Fill>
 class TrianglePainter {
   public:
-    TrianglePainter(const TriangleStream& stream, const SampleProjection& to, const DirectionalLight* light,
+    TrianglePainter(const TriangleStream& stream, const SampleProjection& projection, const DirectionalLight* light,
                     bool culls_back_faces, const Fill& fill)
-        : stream_(stream), to_(to), light_(light), culls_back_faces_(culls_back_faces), fill_(fill) {}
+        : stream_(stream), projection_(projection), light_(light), culls_back_faces_(culls_back_faces), fill_(fill) {}
 
     /// Draws a lane of TriageMasks::draw.
     void draw(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane) {
@@ -75,15 +75,15 @@ class TrianglePainter {
         ClippedPolygon polygon;
         const Rgba8* colors = stream_.colors(triangle);
         for (unsigned c = 0; c < 3; ++c) {
-            polygon.add(stream_.vertex(triangle, c), to_, to_vec4(colors[stream_.several_colors() ? c : 0]));
+            polygon.add(stream_.vertex(triangle, c), projection_, to_vec4(colors[stream_.several_colors() ? c : 0]));
         }
-        polygon.clip(to_);
+        polygon.clip(projection_);
         for (std::size_t i = 2; i < polygon.size(); ++i) {
             SnappedTriangle t;
             Rgba8 corners[3];
             const std::size_t from[3] = {0, i - 1, i};
             for (unsigned c = 0; c < 3; ++c) {
-                polygon.snap(from[c], to_, t, c);
+                polygon.snap(from[c], projection_, t, c);
                 corners[c] = to_rgba8(polygon[from[c]].color);
             }
             draw(triangle, t, corners);
@@ -164,7 +164,7 @@ class TrianglePainter {
         SeveralColors shade{colors, one_color};
         const auto prepare = [&] {
             light();
-            shade.plane.emplace(t, doubled_area, to_.is_perspective);
+            shade.plane.emplace(t, doubled_area, projection_.is_perspective);
             shade.hash =
                 hash_of_triangle(stream_.vertex(triangle, 0), stream_.vertex(triangle, 1), stream_.vertex(triangle, 2));
         };
@@ -172,7 +172,7 @@ class TrianglePainter {
     }
 
     const TriangleStream& stream_;
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     const DirectionalLight* light_;
     bool culls_back_faces_;
     const Fill& fill_;

@@ -42,29 +42,29 @@ inline Ints snapped(Floats v) {
 }
 
 template <bool perspective, bool deposits>
-inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to, TriagedBlock& out) {
+inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& projection, TriagedBlock& out) {
     TriageMasks masks{0, 0, 0, 0};
     for (unsigned first = 0; first < TriangleBlock::lanes; first += FARFIELD_LANES) {
         Floats x[3], y[3], q[3];
         Ints behind[3];
         for (unsigned c = 0; c < 3; ++c) {
-            const Floats dx = load(block.v[3 * c] + first) - to.eye.x;
-            const Floats dy = load(block.v[3 * c + 1] + first) - to.eye.y;
-            const Floats dz = load(block.v[3 * c + 2] + first) - to.eye.z;
-            const Floats depth = dx * to.forward.x + dy * to.forward.y + dz * to.forward.z;
-            x[c] = dx * to.right.x + dy * to.right.y + dz * to.right.z;
-            y[c] = dx * to.down.x + dy * to.down.y + dz * to.down.z;
+            const Floats dx = load(block.v[3 * c] + first) - projection.eye.x;
+            const Floats dy = load(block.v[3 * c + 1] + first) - projection.eye.y;
+            const Floats dz = load(block.v[3 * c + 2] + first) - projection.eye.z;
+            const Floats depth = dx * projection.forward.x + dy * projection.forward.y + dz * projection.forward.z;
+            x[c] = dx * projection.right.x + dy * projection.right.y + dz * projection.right.z;
+            y[c] = dx * projection.down.x + dy * projection.down.y + dz * projection.down.z;
             if constexpr (perspective) {
                 const Floats inverse = 1.0f / depth;
                 x[c] *= inverse;
                 y[c] *= inverse;
-                q[c] = inverse * to.q_of_inverse;
+                q[c] = inverse * projection.q_of_inverse;
             } else {
-                q[c] = depth * to.q_of_depth;
+                q[c] = depth * projection.q_of_depth;
             }
-            x[c] += to.offset_x;
-            y[c] += to.offset_y;
-            behind[c] = (Ints)(depth < to.near_depth);
+            x[c] += projection.offset_x;
+            y[c] += projection.offset_y;
+            behind[c] = (Ints)(depth < projection.near_depth);
             store(out.x[c] + first, x[c]);
             store(out.y[c] + first, y[c]);
             store(out.q[c] + first, q[c]);
@@ -80,16 +80,18 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to
         // A sample i is inside if 256 i + 128 is in [lowest, highest].
         const Ints x0 = (snapped(low_x) + 127) >> 8, x1 = (snapped(high_x) - 128) >> 8;
         const Ints y0 = (snapped(low_y) + 127) >> 8, y1 = (snapped(high_y) - 128) >> 8;
-        const Ints holds_no_sample = (Ints)(x0 > x1) | (Ints)(y0 > y1) | (Ints)(x0 >= to.end_x) |
-                                     (Ints)(y0 >= to.end_y) | (Ints)(x1 < to.first_x) | (Ints)(y1 < to.first_y);
+        const Ints holds_no_sample = (Ints)(x0 > x1) | (Ints)(y0 > y1) | (Ints)(x0 >= projection.end_x) |
+                                     (Ints)(y0 >= projection.end_y) | (Ints)(x1 < projection.first_x) |
+                                     (Ints)(y1 < projection.first_y);
         masks.draw |= bits(~(holds_no_sample | clip | gone)) << first;
         masks.clip |= bits(clip) << first;
         if constexpr (deposits) {
             const float limit = deposited_below * 256;
             const Ints is_small = (Ints)(high_x - low_x < limit) & (Ints)(high_y - low_y < limit);
             const Floats doubled_area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
-            const Ints in_image = (Ints)(high_x > float(to.first_x) * 256) & (Ints)(low_x < float(to.end_x) * 256) &
-                                  (Ints)(high_y > float(to.first_y) * 256) & (Ints)(low_y < float(to.end_y) * 256);
+            const Ints in_image =
+                (Ints)(high_x > float(projection.first_x) * 256) & (Ints)(low_x < float(projection.end_x) * 256) &
+                (Ints)(high_y > float(projection.first_y) * 256) & (Ints)(low_y < float(projection.end_y) * 256);
             masks.small |= bits(is_small & in_image & (Ints)(doubled_area != 0.0f) & ~(clip | gone)) << first;
             masks.front |= bits((Ints)(doubled_area < 0.0f)) << first;
             store(out.center_x + first, (x[0] + x[1] + x[2]) * (1.0f / 768));
@@ -102,6 +104,7 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to
 }
 
 template <bool deposits>
-inline TriageMasks triage_any(const TriangleBlock& block, const SampleProjection& to, TriagedBlock& out) {
-    return to.is_perspective ? triage<true, deposits>(block, to, out) : triage<false, deposits>(block, to, out);
+inline TriageMasks triage_any(const TriangleBlock& block, const SampleProjection& projection, TriagedBlock& out) {
+    return projection.is_perspective ? triage<true, deposits>(block, projection, out)
+                                     : triage<false, deposits>(block, projection, out);
 }
