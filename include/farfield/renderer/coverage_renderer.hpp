@@ -5,14 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "farfield/coverage/polygons/far_polygons.hpp"
 #include "farfield/coverage/polygons/polygon_setup.hpp"
@@ -26,6 +24,7 @@
 #include "farfield/raster/light_in_view.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/simd.hpp"
+#include "farfield/raster/source_slots.hpp"
 #include "farfield/renderer.hpp"
 
 namespace farfield {
@@ -70,13 +69,9 @@ class BasicCoverageRenderer {
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {
-        for (std::size_t i = 0; i < streams_.size(); ++i) {
-            if (!streams_[i]) return streams_[i] = std::make_unique<PolygonStream>(source), std::uint32_t(i);
-        }
-        streams_.push_back(std::make_unique<PolygonStream>(source));
-        return std::uint32_t(streams_.size() - 1);
+        return streams_.upload(source);
     }
-    void release(std::uint32_t id) { streams_[id].reset(); }
+    void release(std::uint32_t id) { streams_.release(id); }
 
     /// Throws std::invalid_argument for images of no samples or more than 31,000 on a side.
     void begin_frame(const LocalView& view) {
@@ -110,7 +105,7 @@ class BasicCoverageRenderer {
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        const PolygonStream& stream = *streams_[source.id];
+        const PolygonStream& stream = streams_[source.id];
         auto setup = setup_of(stream);
         for (std::size_t i = 0; i < ranges.size(); ++i) {
             if (i + 8 < ranges.size()) stream.prefetch(ranges[i + 8].first, true);
@@ -174,7 +169,7 @@ class BasicCoverageRenderer {
     SampleProjection projection_;
     TilePolygon polygon_;  ///< the one at work
     Silhouette silhouette_;
-    std::vector<std::unique_ptr<PolygonStream>> streams_;
+    SourceSlots<PolygonStream> streams_;
     PolygonStream scratch_;  ///< polygons made for this frame
     Image image_;
 };

@@ -17,10 +17,11 @@
 #include "farfield/raster/samples/color_samples.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/simd.hpp"
+#include "farfield/raster/source_slots.hpp"
 #include "farfield/raster/triangles/sample_rows.hpp"
 #include "farfield/raster/triangles/triangle_painter.hpp"
 #include "farfield/raster/triangles/triangle_runs.hpp"
-#include "farfield/raster/triangles/triangle_streams.hpp"
+#include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
 #include "farfield/renderer.hpp"
 
@@ -132,7 +133,7 @@ class PainterRenderer {
     LightInView light_;
     SampleProjection projection_;
     ColorSamples samples_;
-    TriangleStreams streams_;
+    SourceSlots<TriangleStream> streams_;
     Image image_;
 };
 

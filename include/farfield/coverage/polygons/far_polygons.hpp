@@ -2,7 +2,6 @@
 // are deposited there.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
@@ -10,14 +9,14 @@
 #include <glm/vec4.hpp>
 
 #include "farfield/coverage/polygons/surface.hpp"
+#include "farfield/drawables.hpp"
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/rgba8.hpp"
-#include "farfield/raster/polygon_clip.hpp"
+#include "farfield/raster/far_field/face_triangles.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/shading.hpp"
 #include "farfield/raster/snapping.hpp"
-#include "farfield/renderer.hpp"
 
 namespace farfield {
 
@@ -42,30 +41,15 @@ class FarPolygons {
 
     void add(const Face& face) {
         if (face.rgba.a == 0) return;
-        ClippedPolygon clipped;
-        const int axis = face.side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-        for (int corner = 0; corner < 4; ++corner) {
-            glm::vec3 p = face.lower;
-            if (corner == 1 || corner == 2) p[u] = face.upper[u];
-            if (corner >= 2) p[v] = face.upper[v];
-            clipped.add(p, projection_);
-        }
-        clipped.clip(projection_);
         const float opacity = float(face.rgba.a) * (1 / 255.0f);
         const glm::vec3 rgb =
             glm::vec3(float(face.rgba.r), float(face.rgba.g), float(face.rgba.b)) * (1.0f / float(face.rgba.a));
         shade(rgb, opacity, law_of_opacity(opacity), hash_of_triangle(face.lower, face.upper, glm::vec3(face.side)));
-        for (std::size_t i = 2; i < clipped.size(); ++i) {
-            SnappedTriangle t;
-            const std::size_t from[3] = {0, i - 1, i};
-            for (unsigned c = 0; c < 3; ++c) clipped.snap(from[c], projection_, t, c);
-            std::int64_t area = t.doubled_area();
-            if (area == 0) continue;
-            if (area < 0) t.flip(), area = -area;
+        for_triangles_of(face, projection_, [&](const SnappedTriangle& t, const DepthPlane& plane) {
             polygon_.set_triangle(t);
-            polygon_.surface.depth = DepthPlane(t, area);
+            polygon_.surface.depth = plane;
             tile_(polygon_);
-        }
+        });
     }
 
     void add(const Splat& splat) {

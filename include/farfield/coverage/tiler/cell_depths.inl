@@ -109,9 +109,7 @@ class LazyCells {
             __builtin_memcpy(&next, q.data() + 8 * j, sizeof next);
             least = next < least ? next : least;
         }
-        float& farthest = target_.lazy.farthest(parent).q[k];
-        farthest = least[0];
-        for (int i = 1; i < 8; ++i) farthest = std::min(farthest, least[i]);
+        target_.lazy.farthest(parent).q[k] = MaskKernel::least_of(least);
     }
 
     // --- cells that one surface has covered all at once

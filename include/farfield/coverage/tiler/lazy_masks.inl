@@ -207,9 +207,7 @@ class LazyMasks : protected StrictMasks<Target> {
             MaskKernel::lanes_of(unsigned(covered >> (8 * j) & 255), counts);
             least = (counts & (q < least)) ? q : least;
         }
-        float result = least[0];
-        for (int i = 1; i < 8; ++i) result = std::min(result, least[i]);
-        return result;
+        return MaskKernel::least_of(least);
     }
 
     // --- the far field

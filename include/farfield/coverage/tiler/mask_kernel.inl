@@ -184,6 +184,12 @@ struct MaskKernel {
 #endif
     }
 
+    static float least_of(const EightFloats& lanes) {
+        float least = lanes[0];
+        for (int i = 1; i < 8; ++i) least = std::min(least, lanes[i]);
+        return least;
+    }
+
     static int count(std::uint64_t mask) {
 #if FARFIELD_LANES >= 8
         return __builtin_popcountll(mask);

@@ -14,9 +14,10 @@
 #include "farfield/raster/samples/depth_tested_fill.hpp"
 #include "farfield/raster/samples/far_deposits.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
+#include "farfield/raster/source_slots.hpp"
 #include "farfield/raster/triangles/triangle_painter.hpp"
 #include "farfield/raster/triangles/triangle_runs.hpp"
-#include "farfield/raster/triangles/triangle_streams.hpp"
+#include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
 #include "farfield/renderer.hpp"
 
@@ -39,7 +40,7 @@ class ZBufferCanvas {
     const Image& image() const { return image_; }
     const SampleProjection& projection() const { return projection_; }
     SampleBuffers& buffers() { return buffers_; }
-    TriangleStreams& streams() { return streams_; }
+    SourceSlots<TriangleStream>& streams() { return streams_; }
 
     /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
     void begin_frame(const LocalView& view) {
@@ -124,7 +125,7 @@ class ZBufferCanvas {
     LightInView light_;
     SampleProjection projection_;
     SampleBuffers buffers_;
-    TriangleStreams streams_;
+    SourceSlots<TriangleStream> streams_;
     Image image_;
 };
 
