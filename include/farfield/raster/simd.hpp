@@ -31,6 +31,15 @@ inline int lanes_for(Simd wanted) {
 
 }  // namespace farfield
 
+// Marks small functions that kernels call. Inlined, they are compiled for the kernel's instruction set; a call would
+// mix the old and the new encoding of vector instructions, and the first old one waits for the upper halves of
+// registers.
+#if defined(__GNUC__)
+#define FARFIELD_INLINE [[gnu::always_inline]] inline
+#else
+#define FARFIELD_INLINE inline
+#endif
+
 #if defined(__x86_64__)
 
 #define FARFIELD_PRAGMA(...) _Pragma(#__VA_ARGS__)

@@ -94,7 +94,7 @@ class BasicCoverageRenderer {
         polygon_.surface = {};
         polygon_.set_rectangle(256 * projection_.first_x, 256 * projection_.first_y, 256 * projection_.end_x,
                                256 * projection_.end_y, -std::numeric_limits<float>::infinity());
-        polygon_.surface.is_background = true;
+        polygon_.surface.kind = SurfaceKind::background;
         polygon_.surface.colors.fill(options_.background);
         auto work = std::move(target_.work);
         target_.work.begin(target_.pyramid);

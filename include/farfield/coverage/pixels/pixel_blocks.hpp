@@ -12,6 +12,7 @@
 
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield::detail {
 
@@ -110,13 +111,6 @@ inline constexpr auto select_of_four = [] {
     }
     return table;
 }();
-/// Small functions that are inlined into code for another instruction set are compiled for that. A call would mix the
-/// old and the new encoding of vector instructions: the first old one waits for the upper halves of all registers.
-#if defined(__GNUC__)
-#define FARFIELD_INLINE [[gnu::always_inline]] inline
-#else
-#define FARFIELD_INLINE inline
-#endif
 
 /// Sets the words of a block whose bits are set to `value`. Loading and storing all four is faster than choosing.
 template <class Word>

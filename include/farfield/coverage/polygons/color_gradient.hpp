@@ -7,6 +7,7 @@
 
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/scan_conversion.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield {
 
@@ -17,8 +18,8 @@ class ColorGradient {
     ColorGradient() = default;
     /// `corners` belong to colors[0..2]; all four colors bound the results. A triangle without area gives any color in
     /// bounds.
-    [[gnu::always_inline]] ColorGradient(const SnappedTriangle& corners, const std::array<Rgba8, 4>& colors,
-                                         bool is_perspective) {
+    FARFIELD_INLINE ColorGradient(const SnappedTriangle& corners, const std::array<Rgba8, 4>& colors,
+                                  bool is_perspective) {
         const std::int64_t area = corners.doubled_area();
         const float scale = area != 0 ? 256.0f / float(area) : 0.0f;
         const auto x1 = float(corners.x[1] - corners.x[0]), y1 = float(corners.y[1] - corners.y[0]);
@@ -45,7 +46,7 @@ class ColorGradient {
     }
 
     /// The colors of eight pixels in a row, each eight samples wide; (x, y) is the center of the first, in samples.
-    [[gnu::always_inline]] std::array<Rgba8, 8> eight_pixels(float x, float y) const {
+    FARFIELD_INLINE std::array<Rgba8, 8> eight_pixels(float x, float y) const {
         typedef float Eight __attribute__((vector_size(32)));
         typedef std::int32_t EightInts __attribute__((vector_size(32)));
         const Eight dx = Eight{0, 8, 16, 24, 32, 40, 48, 56} + (x - x_);
@@ -64,7 +65,7 @@ class ColorGradient {
         return colors;
     }
     /// The same for one pixel.
-    [[gnu::always_inline]] Rgba8 pixel(float x, float y) const {
+    FARFIELD_INLINE Rgba8 pixel(float x, float y) const {
         typedef std::int32_t Ints __attribute__((vector_size(16)));
         const float dx = x - x_, dy = y - y_;
         const float inverse = 1.0f / (dx * weight_by_x_ + (dy * weight_by_y_ + weight_));
@@ -78,7 +79,7 @@ class ColorGradient {
   private:
     typedef float Floats __attribute__((vector_size(16)));  ///< r, g, b, a
 
-    [[gnu::always_inline]] static Floats channels_of(Rgba8 c) {
+    FARFIELD_INLINE static Floats channels_of(Rgba8 c) {
         return Floats{float(c.r), float(c.g), float(c.b), float(c.a)};
     }
 

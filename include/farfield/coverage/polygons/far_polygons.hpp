@@ -77,14 +77,13 @@ class FarPolygons {
     void shade(glm::vec3 rgb, float opacity, AreaLaw law, std::uint32_t hash) {
         Surface& s = polygon_.surface;
         s = {};
-        s.is_solid = false;
         if (coverage_ == FarCoverage::area_law) {
-            s.is_deposit = s.is_background = true;
+            s.kind = SurfaceKind::deposit;
             s.colors.fill({0, 0, 0, 0});
             s.loss = loss_of_opacity(opacity, law);
             s.far_rgb = glm::min(rgb, glm::vec3(1));
         } else {
-            s.is_fraction = true;
+            s.kind = SurfaceKind::fraction;
             s.hash = hash;
             s.colors.fill(to_rgba8(glm::vec4(rgb, opacity)));
         }

@@ -178,17 +178,17 @@ class PolygonSetup {
     /// corners before they were turned clockwise, and one more that the surface has.
     void shade(const PolygonRecord& r, bool is_front, const Rgba8* colors, const SnappedTriangle& clockwise) {
         Surface& s = polygon_.surface;
-        s.is_background = s.is_fraction = s.is_deposit = false;
         s.is_perspective = projection_.is_perspective;
         s.is_flat = colors == nullptr;
         s.colors.fill(r.color);
-        s.is_solid = r.color.a == 255;
+        bool is_opaque = r.color.a == 255;
         if (colors != nullptr) {
             s.colors = {colors[0], colors[is_front ? 2 : 1], colors[is_front ? 1 : 2], colors[3]};
-            s.is_solid = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
+            is_opaque = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
         }
         const auto corner = [&](unsigned c) { return glm::vec3(r.x[c], r.y[c], r.z[c]); };
-        if (!s.is_solid) s.hash = hash_of_triangle(corner(0), corner(1), corner(2));
+        s.kind = is_opaque ? SurfaceKind::opaque : SurfaceKind::translucent;
+        if (!is_opaque) s.hash = hash_of_triangle(corner(0), corner(1), corner(2));
         if (light_ != nullptr) {
             const glm::vec3 n = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
             const float brightness = light_->brightness(is_front ? n : -n);

@@ -64,7 +64,7 @@ class Tiler : BlockMasks<Target> {
         Extremes extremes;
         const std::uint64_t hidden =
             cell.covered & depths_.behind(t.possible & ~cell.vacant, at, level, x, y, extremes);
-        const std::uint64_t whole = surface_.is_solid ? cell.vacant & t.covered : no_subcells;
+        const std::uint64_t whole = surface_.covers_all() ? cell.vacant & t.covered : no_subcells;
         cell.covered |= whole;
         cell.vacant &= ~whole;
         for (std::uint64_t left = whole; left != 0; left &= left - 1) {
@@ -130,7 +130,7 @@ class Tiler : BlockMasks<Target> {
         open_block(x, y);
         TriageMask& cell = *block_.cell;
         block_.behind = depths_.behind(t.possible & ~cell.vacant, block_.index, 1, x, y, block_.extremes);
-        const std::uint64_t whole = surface_.is_solid ? cell.vacant & t.covered : no_subcells;
+        const std::uint64_t whole = surface_.covers_all() ? cell.vacant & t.covered : no_subcells;
         const std::uint64_t active = t.possible & ~(cell.covered & block_.behind) & ~whole;
         if ((whole | active) == 0) return false;
         if (block_.is_untouched) {
@@ -210,7 +210,7 @@ class Tiler : BlockMasks<Target> {
 
     /// "W = P & ~C; C' = C | P" (section 3).
     FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
-        if (!surface_.is_solid && !surface_.is_deposit) inside &= hashed_samples(k);
+        if (surface_.covers_some()) inside &= hashed_samples(k);
         const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
         const std::uint64_t covered = is_vacant ? block_.samples_outside(pyramid_, k) : Masks::covered(k);
         if (Masks::tile_overlap(k, inside, covered, is_vacant)) return;

@@ -63,7 +63,7 @@ class LazyMasks : protected StrictMasks<Target> {
     /// false: the mask alone then tells what is seen, as in strict order.
     FARFIELD_INLINE bool tile_overlap(unsigned k, std::uint64_t inside, std::uint64_t covered, bool is_vacant) {
         if (inside == 0) return true;
-        if (surface_.is_deposit) return deposit(k, inside, covered), true;
+        if (surface_.is_deposit()) return deposit(k, inside, covered), true;
         const std::uint64_t z_buffered = target_.lazy.block(block_.index).deep | target_.samples.deposited(block_);
         const bool is_z_buffered = (z_buffered >> k & 1) != 0;
         const bool may_meet = (inside & covered) != 0 && (block_.behind >> k & 1) == 0;
