@@ -9,7 +9,7 @@
 
 #include "farfield/coverage/triage_mask.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Holds the masks of all edges that cross a square whose sides have 64 intervals each: an entry for each two intervals
 /// not on one side, 576 KiB. Edges of opposite directions share entries (section 4.2). All machines build the same
@@ -170,4 +170,4 @@ class EdgeMaskTable {
     std::array<std::uint64_t, entries> samples_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

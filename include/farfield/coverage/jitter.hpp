@@ -15,7 +15,7 @@
 #include <emmintrin.h>
 #endif
 
-namespace farfield {
+namespace farfield::detail {
 
 /// The positions of a pixel's 64 samples, row by row; without jitter at first.
 struct alignas(16) JitterPattern {
@@ -80,8 +80,6 @@ class JitterPatterns {
     std::vector<JitterPattern> patterns_;
 };
 
-namespace detail {
-
 /// Applies the definition.
 inline std::uint64_t samples_one_by_one(const JitterPattern& pattern, std::int64_t e, std::int32_t a, std::int32_t b) {
     std::uint64_t mask = 0;
@@ -124,16 +122,14 @@ std::uint64_t samples_eight_at_a_time(const JitterPattern& pattern, std::int64_t
 }
 #endif
 
-}  // namespace detail
-
 inline std::uint64_t samples(const JitterPattern& pattern, std::int64_t e, std::int32_t a, std::int32_t b) {
 #if defined(__SSE2__)
     const bool is_short = std::int16_t(a) == a && std::int16_t(b) == b;
-    return is_short ? detail::samples_eight_at_a_time<true>(pattern, e, a, b)
-                    : detail::samples_eight_at_a_time<false>(pattern, e, a, b);
+    return is_short ? samples_eight_at_a_time<true>(pattern, e, a, b)
+                    : samples_eight_at_a_time<false>(pattern, e, a, b);
 #else
-    return detail::samples_one_by_one(pattern, e, a, b);
+    return samples_one_by_one(pattern, e, a, b);
 #endif
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -16,17 +16,21 @@
 
 namespace farfield {
 
-/// A q for each subcell; infinity where there is nothing.
-struct alignas(64) SubcellDepths {
-    std::array<float, 64> q;
-    void clear() { q.fill(std::numeric_limits<float>::infinity()); }
-};
-
 /// "Reverting to ordinary z-buffering, allocating the memory required for storing color and depth at each subpixel
 /// sample": 512 bytes. Valid for samples that are covered.
 struct alignas(64) DeepMask {
     std::array<float, 64> q;
     std::array<Rgba8, 64> color;
+};
+
+}  // namespace farfield
+
+namespace farfield::detail {
+
+/// A q for each subcell; infinity where there is nothing.
+struct alignas(64) SubcellDepths {
+    std::array<float, 64> q;
+    void clear() { q.fill(std::numeric_limits<float>::infinity()); }
 };
 
 class LazyDepth {
@@ -126,4 +130,4 @@ class LazyDepth {
     std::vector<std::size_t> deep_places_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

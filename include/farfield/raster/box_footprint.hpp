@@ -10,7 +10,7 @@
 #include "farfield/raster/box_fronts.hpp"
 #include "farfield/raster/sample_projection.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Holds every sample, inside the image and relative to its center sample, that polygons inside the box may cover,
 /// roundings of box, projection and snapping included.
@@ -80,4 +80,4 @@ struct BoxFootprint {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -12,7 +12,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// The sides of a box that face the eye, as planes of q. A ray enters the box where it meets the last of them, so at
 /// each sample nothing inside has a larger q than any of them. A room is thus hidden behind a corridor's wall though
@@ -87,4 +87,4 @@ struct BoxFronts {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -8,7 +8,7 @@
 #include "farfield/geometry/light.hpp"
 #include "farfield/view/local_view.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 class LightInView {
   public:
@@ -34,4 +34,4 @@ class LightInView {
     glm::vec3 in_view_{0};
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

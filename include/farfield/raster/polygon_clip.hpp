@@ -12,7 +12,7 @@
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/snapping.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Clips as Sutherland and Hodgman 1974 do, in coordinates before division, so that nothing behind the eye is ever
 /// divided. A cut point is computed from the inner to the outer end whichever way the edge runs: polygons that share an
@@ -99,4 +99,4 @@ class ClippedPolygon {
     std::size_t count_ = 0;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

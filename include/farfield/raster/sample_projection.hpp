@@ -6,7 +6,7 @@
 
 #include "farfield/view/local_view.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Sample (i, j), rows downwards, has its center at (i + 1/2, j + 1/2). Coordinates are relative to the sample nearest
 /// to the image's center, so that snapping reaches equally far on both sides, and in 1/256 sample, to which it rounds.
@@ -63,4 +63,4 @@ struct SampleProjection {
     float q(float depth, float inverse) const { return inverse * q_of_inverse + depth * q_of_depth; }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -8,7 +8,7 @@
 
 #include "farfield/raster/sample_projection.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// A triangle snapped to 1/256 sample, |coordinates| < 2^22, with q at its corners.
 struct SnappedTriangle {
@@ -57,8 +57,6 @@ struct DepthPlane {
     float inside(float q) const { return q < lowest ? lowest : q > highest ? highest : q; }
     float at(float row, int x) const { return inside(row + column(x)); }
 };
-
-namespace detail {
 
 /// E(i, j) = value + by_x i + by_y j is 0 or more inside, at samples relative to the box's first one. Samples on an
 /// edge belong to the triangle that has it at its top or left.
@@ -116,8 +114,6 @@ void scan_box(const SnappedTriangle& t, int x0, int y0, int x1, int y1, Row&& ro
     }
 }
 
-}  // namespace detail
-
 /// Calls row(y, begin, end) for each row of covered samples, inside the projection's image. The triangle must be
 /// clockwise on the screen, doubled_area() > 0.
 template <class Row>
@@ -131,10 +127,10 @@ void scan_convert(const SnappedTriangle& t, const SampleProjection& image, Row&&
     if (x0 > x1 || y0 > y1) return;
     // Edges up to 2^14 long in both directions have values below 2^31 anywhere in their box.
     if (high_x - low_x < 1 << 14 && high_y - low_y < 1 << 14) {
-        detail::scan_box<std::int32_t>(t, x0, y0, x1, y1, row);
+        scan_box<std::int32_t>(t, x0, y0, x1, y1, row);
     } else {
-        detail::scan_box<std::int64_t>(t, x0, y0, x1, y1, row);
+        scan_box<std::int64_t>(t, x0, y0, x1, y1, row);
     }
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -9,7 +9,7 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// A number that goes with a triangle wherever it lies in memory and whichever corner comes first.
 inline std::uint32_t hash_of_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
@@ -52,4 +52,4 @@ struct ColorPlane {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -13,6 +13,8 @@ namespace farfield {
 /// most available are used, as with `automatic`.
 enum class Simd : std::uint8_t { automatic, scalar, four_lanes, eight_lanes, sixteen_lanes };
 
+namespace detail {
+
 /// The most lanes that are wanted and that the processor has: 1, 4, 8 or 16, but only 1 or 4 outside x86-64. A kernel
 /// written for fewer takes the most that it has.
 inline int lanes_for(Simd wanted) {
@@ -28,6 +30,8 @@ inline int lanes_for(Simd wanted) {
     return 4;
 #endif
 }
+
+}  // namespace detail
 
 }  // namespace farfield
 

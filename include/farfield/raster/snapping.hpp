@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Adding this rounds any float below 2^22 to the nearest integer and leaves that in the low bits.
 inline constexpr float snap_rounder = 12582912.0f;
@@ -13,4 +13,4 @@ inline std::int32_t snapped_to_256th(float v) {
     return std::int32_t(std::bit_cast<std::uint32_t>(v + snap_rounder) - snap_rounder_bits);
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -8,7 +8,7 @@
 
 #include "farfield/renderer.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Numbers each source with the first free slot. A Stream is constructed from a Source<P>.
 template <class Stream>
@@ -30,4 +30,4 @@ class SourceSlots {
     std::vector<std::unique_ptr<Stream>> streams_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

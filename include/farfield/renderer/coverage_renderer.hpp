@@ -80,12 +80,12 @@ class BasicCoverageRenderer {
             throw std::invalid_argument("farfield::CoverageRenderer: an image must have 1 to " + std::to_string(limit) +
                                         " pixels on a side");
         }
-        projection_ = SampleProjection(view, samples_a_side);
+        projection_ = detail::SampleProjection(view, samples_a_side);
         target_.begin(view.width, view.height, projection_.first_x, projection_.first_y);
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
-        projection_ = SampleProjection(view, samples_a_side);
+        projection_ = detail::SampleProjection(view, samples_a_side);
         light_.set_view(view);
     }
     /// "We composite a screen-sized polygon of the desired background color, thereby tiling all remaining vacant
@@ -105,7 +105,7 @@ class BasicCoverageRenderer {
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        const PolygonStream& stream = streams_[source.id];
+        const detail::PolygonStream& stream = streams_[source.id];
         auto setup = setup_of(stream);
         for (std::size_t i = 0; i < ranges.size(); ++i) {
             if (i + 8 < ranges.size()) stream.prefetch(ranges[i + 8].first, true);
@@ -142,35 +142,35 @@ class BasicCoverageRenderer {
     }
 
   private:
-    using Target = CoverageTarget<Traits>;
+    using Target = detail::CoverageTarget<Traits>;
 
     /// Passes polygons to the tiler.
     struct Tile {
         static constexpr bool needs_depth = is_lazy;
         static constexpr int reach_of_samples = Target::reach_of_samples;
-        const CoverageTiler<Target>& tiler;
+        const detail::CoverageTiler<Target>& tiler;
         Target& target;
 
-        void operator()(TilePolygon& polygon) const { tiler.tile(target, polygon); }
+        void operator()(detail::TilePolygon& polygon) const { tiler.tile(target, polygon); }
     };
 
-    PolygonSetup<Tile> setup_of(const PolygonStream& stream) {
+    detail::PolygonSetup<Tile> setup_of(const detail::PolygonStream& stream) {
         return {stream, projection_, light_.light(), options_.culls_back_faces, polygon_, Tile{tiler_, target_}};
     }
-    FarPolygons<Tile> far_polygons() {
+    detail::FarPolygons<Tile> far_polygons() {
         const auto coverage = Target::samples_type::takes_deposits ? options_.far_coverage : FarCoverage::samples;
         return {projection_, coverage, polygon_, Tile{tiler_, target_}};
     }
 
     CoverageOptions options_;
-    LightInView light_;
-    CoverageTiler<Target> tiler_;
+    detail::LightInView light_;
+    detail::CoverageTiler<Target> tiler_;
     Target target_;
-    SampleProjection projection_;
-    TilePolygon polygon_;  ///< the one at work
-    Silhouette silhouette_;
-    SourceSlots<PolygonStream> streams_;
-    PolygonStream scratch_;  ///< polygons made for this frame
+    detail::SampleProjection projection_;
+    detail::TilePolygon polygon_;  ///< the one at work
+    detail::Silhouette silhouette_;
+    detail::SourceSlots<detail::PolygonStream> streams_;
+    detail::PolygonStream scratch_;  ///< polygons made for this frame
     Image image_;
 };
 

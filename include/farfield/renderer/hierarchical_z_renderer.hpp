@@ -16,7 +16,7 @@
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/renderer.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Fills like DepthTestedFill, but rejects triangles that the pyramid hides.
 class PyramidTestedFill {
@@ -54,6 +54,10 @@ class PyramidTestedFill {
     const DepthTestedFill& fill_;
 };
 
+}  // namespace farfield::detail
+
+namespace farfield {
+
 /// Draws what ZBufferRenderer draws: the same ranges give the same picture, bit for bit, in any order. It asks for
 /// front to back, without needing it, because fewer ranges then come at all.
 class HierarchicalZRenderer {
@@ -80,7 +84,7 @@ class HierarchicalZRenderer {
     /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {
         canvas_.begin_frame(view);
-        const SampleProjection& projection = canvas_.projection();
+        const detail::SampleProjection& projection = canvas_.projection();
         pyramid_.begin(canvas_.buffers().depth(), projection.end_x - projection.first_x,
                        projection.end_y - projection.first_y);
     }
@@ -89,8 +93,8 @@ class HierarchicalZRenderer {
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        const DepthTestedFill fill(canvas_.projection(), canvas_.buffers(), rows_);
-        canvas_.draw(source, ranges, PyramidTestedFill(canvas_.projection(), pyramid_, fill));
+        const detail::DepthTestedFill fill(canvas_.projection(), canvas_.buffers(), rows_);
+        canvas_.draw(source, ranges, detail::PyramidTestedFill(canvas_.projection(), pyramid_, fill));
     }
     void draw(std::span<const Face> faces) { canvas_.draw(faces); }
     void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
@@ -103,11 +107,11 @@ class HierarchicalZRenderer {
     /// cell then changes an exact picture. It is false for cells that reach to the near plane. In a far field closed
     /// samples hide too, as in ZBufferRenderer::hidden.
     bool hidden(const Cell& cell, CellId) {
-        const SampleProjection& projection = canvas_.projection();
-        const BoxFootprint at(cell.bounds_center, cell.bounds_half, projection);
+        const detail::SampleProjection& projection = canvas_.projection();
+        const detail::BoxFootprint at(cell.bounds_center, cell.bounds_half, projection);
         if (!at.is_bounded) return false;
         if (at.is_empty()) return true;
-        SampleBuffers& buffers = canvas_.buffers();
+        detail::SampleBuffers& buffers = canvas_.buffers();
         const auto nearest = [&](int x0, int y0, int x1, int y1) {
             return at.fronts.nearest_in(x0 + projection.first_x, y0 + projection.first_y, x1 + projection.first_x,
                                         y1 + projection.first_y);
@@ -118,9 +122,9 @@ class HierarchicalZRenderer {
     }
 
   private:
-    ZBufferCanvas canvas_;
-    SampleRows rows_;
-    DepthPyramid pyramid_;
+    detail::ZBufferCanvas canvas_;
+    detail::SampleRows rows_;
+    detail::DepthPyramid pyramid_;
 };
 
 }  // namespace farfield

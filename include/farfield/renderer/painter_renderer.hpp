@@ -35,6 +35,8 @@ struct PainterOptions {
     Simd simd = Simd::automatic;              ///< all give the same picture
 };
 
+namespace detail {
+
 /// Overwrites: anything that comes later lies in front.
 class OverwritingFill {
   public:
@@ -77,6 +79,8 @@ class OverwritingFill {
     const SampleRows& rows_;
 };
 
+}  // namespace detail
+
 /// Draws the picture of ZBufferRenderer if no two primitives meet in a sample at the same depth and each lies behind
 /// all later ones wherever they overlap. It keeps no depth, and nothing is hidden.
 class PainterRenderer {
@@ -87,8 +91,8 @@ class PainterRenderer {
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
     explicit PainterRenderer(const PainterOptions& options = {})
         : options_(options),
-          side_(checked_samples_a_side(options.samples, "PainterRenderer")),
-          triage_(triage_function<false>(options.simd)),
+          side_(detail::checked_samples_a_side(options.samples, "PainterRenderer")),
+          triage_(detail::triage_function<false>(options.simd)),
           rows_(options.simd),
           light_(options.light) {}
 
@@ -102,13 +106,13 @@ class PainterRenderer {
 
     /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {
-        check_image_size(view, side_, "PainterRenderer");
-        projection_ = SampleProjection(view, side_);
+        detail::check_image_size(view, side_, "PainterRenderer");
+        projection_ = detail::SampleProjection(view, side_);
         samples_.begin(projection_, side_, options_.background);
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
-        projection_ = SampleProjection(view, side_);
+        projection_ = detail::SampleProjection(view, side_);
         light_.set_view(view);
     }
     void end_frame() { samples_.resolve(image_); }
@@ -116,24 +120,25 @@ class PainterRenderer {
     /// Draws in the order of the ranges and of the positions in them.
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        const TriangleStream& stream = streams_[source.id];
-        const OverwritingFill fill(projection_, samples_, rows_);
-        TrianglePainter<OverwritingFill> painter(stream, projection_, light_.light(), options_.culls_back_faces, fill);
+        const detail::TriangleStream& stream = streams_[source.id];
+        const detail::OverwritingFill fill(projection_, samples_, rows_);
+        detail::TrianglePainter<detail::OverwritingFill> painter(stream, projection_, light_.light(),
+                                                                 options_.culls_back_faces, fill);
         for (const Range& r : ranges) {
-            draw_triangles(stream, stream.first_triangle(r.first), stream.first_triangle(r.first + r.count),
-                           projection_, triage_, painter);
+            detail::draw_triangles(stream, stream.first_triangle(r.first), stream.first_triangle(r.first + r.count),
+                                   projection_, triage_, painter);
         }
     }
 
   private:
     PainterOptions options_;
     int side_;
-    TriageFunction triage_;
-    SampleRows rows_;
-    LightInView light_;
-    SampleProjection projection_;
-    ColorSamples samples_;
-    SourceSlots<TriangleStream> streams_;
+    detail::TriageFunction triage_;
+    detail::SampleRows rows_;
+    detail::LightInView light_;
+    detail::SampleProjection projection_;
+    detail::ColorSamples samples_;
+    detail::SourceSlots<detail::TriangleStream> streams_;
     Image image_;
 };
 

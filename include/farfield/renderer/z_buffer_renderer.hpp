@@ -53,7 +53,7 @@ class ZBufferRenderer {
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        canvas_.draw(source, ranges, DepthTestedFill(canvas_.projection(), canvas_.buffers(), rows_));
+        canvas_.draw(source, ranges, detail::DepthTestedFill(canvas_.projection(), canvas_.buffers(), rows_));
     }
     void draw(std::span<const Face> faces) { canvas_.draw(faces); }
     void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
@@ -67,9 +67,9 @@ class ZBufferRenderer {
     /// with it, by less than a cell. Before the first deposit of a frame, a stand-in's or a triangle's, nothing is
     /// hidden: an exact picture takes every primitive in the frustum.
     bool hidden(const Cell& cell, CellId) {
-        SampleBuffers& buffers = canvas_.buffers();
+        detail::SampleBuffers& buffers = canvas_.buffers();
         if (!buffers.has_far()) return false;
-        const SampleProjection& projection = canvas_.projection();
+        const detail::SampleProjection& projection = canvas_.projection();
         const glm::vec3 p = projection.project(cell.bounds_center);
         const float radius = std::sqrt(glm::dot(cell.bounds_half, cell.bounds_half));
         // A point of the sphere is projected at most radius (focal + |x|) / (depth - radius) away from its center.
@@ -91,8 +91,8 @@ class ZBufferRenderer {
     }
 
   private:
-    ZBufferCanvas canvas_;
-    SampleRows rows_{Simd::scalar};
+    detail::ZBufferCanvas canvas_;
+    detail::SampleRows rows_{Simd::scalar};
 };
 
 }  // namespace farfield

@@ -13,7 +13,7 @@
 #include <emmintrin.h>
 #endif
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Which of 64 values e + a x + b y + c z are negative? Values are below 2^63.
 inline std::uint64_t negative_voxels_scalar(std::int64_t e, std::int64_t a, std::int64_t b, std::int64_t c) {
@@ -71,4 +71,4 @@ inline std::uint64_t voxel_corner(glm::ivec3 size) {
            (0x1111111111111111u & ones(4 * std::min(size.y, 4)) * 0x0001000100010001u & ones(16 * std::min(size.z, 4)));
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

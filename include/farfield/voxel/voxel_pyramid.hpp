@@ -147,11 +147,11 @@ class VoxelPyramid {
     Outcome visit_block(const Visit& v, Sink& sink) {
         std::uint64_t& stored = blocks_[index(0, v.cell)];
         const glm::ivec3 first = v.cell * 4;
-        const std::uint64_t before = v.is_vacant ? ~voxel_corner(size_ - first) : stored;
+        const std::uint64_t before = v.is_vacant ? ~detail::voxel_corner(size_ - first) : stored;
         std::uint64_t write = ~before;
         for (std::size_t i = 0; i < v.count && write != 0; ++i) {
             const VoxelPlane& p = *v.crossings[i].plane;
-            write &= ~negative_voxels(v.crossings[i].value, p.a, p.b, p.c);
+            write &= ~detail::negative_voxels(v.crossings[i].value, p.a, p.b, p.c);
         }
         if (write == 0) return Outcome::unchanged;
         stored = before | write;
@@ -169,19 +169,19 @@ class VoxelPyramid {
         const glm::ivec3 left = size_ - first;
         TriageMask mask = stored;
         if (v.is_vacant) {
-            mask.vacant = voxel_corner((left + (side - 1)) / side);
+            mask.vacant = detail::voxel_corner((left + (side - 1)) / side);
             mask.covered = ~mask.vacant;
         }
         TriageMask polyhedron{all_subcells, no_subcells};
         for (std::size_t i = 0; i < v.count; ++i) {
             Crossing& crossing = v.crossings[i];
-            const TriageMask half_space = voxel_triage(crossing.value, *crossing.plane, side);
+            const TriageMask half_space = detail::voxel_triage(crossing.value, *crossing.plane, side);
             crossing.active = half_space.active();
             polyhedron.covered &= half_space.covered;
             polyhedron.vacant |= half_space.vacant;
             if ((polyhedron.vacant | mask.covered) == all_subcells) return Outcome::unchanged;
         }
-        const std::uint64_t write = mask.vacant & polyhedron.covered & voxel_corner(left / side);
+        const std::uint64_t write = mask.vacant & polyhedron.covered & detail::voxel_corner(left / side);
         mask.covered |= write;
         mask.vacant &= ~write;
         bool wrote = write != 0;

@@ -9,7 +9,7 @@
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/simd.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Color times weight and weight are linear on the screen; the weight is q in perspective. Results are clamped to the
 /// range of the corners, because pixels that a polygon only touches have their centers beyond its edges.
@@ -89,4 +89,4 @@ class ColorGradient {
     float x_ = 0, y_ = 0;  ///< first corner, in samples
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

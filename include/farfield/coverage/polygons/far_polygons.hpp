@@ -31,6 +31,10 @@ enum class FarCoverage : std::uint8_t {
     area_law,
 };
 
+}  // namespace farfield
+
+namespace farfield::detail {
+
 /// Valid as long as the view stays the same. tile(TilePolygon&) gets `polygon` again and again, with its depth set, and
 /// may write to its surface.
 template <class Tile>
@@ -95,4 +99,4 @@ class FarPolygons {
     Tile tile_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -22,7 +22,7 @@
 #include "farfield/raster/shading.hpp"
 #include "farfield/raster/snapping.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Valid as long as view and stream stay the same. `light` is in the stream's axes; null leaves colors as they are.
 ///
@@ -225,4 +225,4 @@ class PolygonSetup {
     Tile tile_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

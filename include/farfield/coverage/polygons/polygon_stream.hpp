@@ -12,7 +12,7 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/renderer.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// A convex polygon of three or four corners, counter-clockwise seen from its front, in local coordinates, in one cache
 /// line. A triangle's fourth corner is its third again.
@@ -122,4 +122,4 @@ class PolygonStream {
     std::vector<std::uint32_t> first_record_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

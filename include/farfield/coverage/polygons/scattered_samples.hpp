@@ -7,9 +7,8 @@
 #include <cstdint>
 #include <utility>
 
-namespace farfield {
+namespace farfield::detail {
 
-namespace detail {
 /// The first n samples of a random permutation of 64, for n of 0 to 64.
 inline constexpr auto first_samples = [] {
     std::array<std::uint64_t, 65> masks{};
@@ -23,7 +22,6 @@ inline constexpr auto first_samples = [] {
     for (unsigned k = 0; k < 64; ++k) masks[k + 1] = masks[k] | std::uint64_t(1) << order[k];
     return masks;
 }();
-}  // namespace detail
 
 /// Chooses alpha / 255 of the samples: exactly so on average, at most one more or less in a pixel, the same in every
 /// frame. The mask is turned by a hash of thing and pixel, so that of two things over one another each covers, on
@@ -34,10 +32,10 @@ inline std::uint64_t scattered_samples(std::uint8_t alpha, std::uint32_t hash, i
     h = (h ^ h >> 12) * 0x297a2d39u;
     h ^= h >> 15;
     const unsigned count = std::min((unsigned(alpha) * 64 + (h & 255) * 254 / 255) / 255, 64u);
-    const std::uint64_t mask = std::rotl(detail::first_samples[count], int(h >> 8 & 7) * 8);
+    const std::uint64_t mask = std::rotl(first_samples[count], int(h >> 8 & 7) * 8);
     const unsigned columns = h >> 11 & 7;
     const std::uint64_t wrapped = 0x0101010101010101u * ((1u << columns) - 1);
     return (mask << columns & ~wrapped) | (mask >> (8 - columns) % 8 & wrapped);
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -18,7 +18,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/snapping.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// The outline is the hull of the snapped corners, in integers, and so convex whatever rounding does. It has two
 /// corners or one if the whole box is snapped to a line or a point, which still serves a query that grows it. Rejected:
@@ -91,4 +91,4 @@ struct Silhouette {
     };
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

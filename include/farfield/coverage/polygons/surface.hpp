@@ -26,11 +26,11 @@ enum class SurfaceKind : std::uint8_t {
 
 /// Samples are addressed relative to the image's center sample, as everywhere in raster/.
 struct Surface {
-    DepthPlane depth;
-    std::array<Rgba8, 4> colors;  ///< at corners; all the same where it is flat
-    SnappedTriangle triangle{};   ///< the first three corners where it is not flat, clockwise
-    ColorGradient gradient{};     ///< where it is not flat, once find_gradient() was called
-    std::uint32_t hash = 0;       ///< chooses samples of a fraction and of a translucent surface
+    detail::DepthPlane depth;
+    std::array<Rgba8, 4> colors;         ///< at corners; all the same where it is flat
+    detail::SnappedTriangle triangle{};  ///< the first three corners where it is not flat, clockwise
+    detail::ColorGradient gradient{};    ///< where it is not flat, once find_gradient() was called
+    std::uint32_t hash = 0;              ///< chooses samples of a fraction and of a translucent surface
     SurfaceKind kind = SurfaceKind::opaque;
     bool is_flat = true;         ///< has one color
     bool is_perspective = true;  ///< how colors are interpolated
@@ -41,7 +41,7 @@ struct Surface {
     FARFIELD_INLINE bool covers_some() const { return kind >= SurfaceKind::fraction; }
     FARFIELD_INLINE bool is_deposit() const { return kind == SurfaceKind::deposit; }
 
-    FARFIELD_INLINE void find_gradient() { gradient = ColorGradient(triangle, colors, is_perspective); }
+    FARFIELD_INLINE void find_gradient() { gradient = detail::ColorGradient(triangle, colors, is_perspective); }
 
     /// The color of a sample that shows the surface: opaque, because alpha has already chosen the samples.
     FARFIELD_INLINE Rgba8 seen_color() const { return seen(colors[0]); }  ///< where it is flat
@@ -59,13 +59,13 @@ struct Surface {
 
     /// Those of 8 x 8 samples that a fraction or a translucent surface covers: see covered_by_hash.
     std::uint64_t hashed_samples(int x, int y, bool shades_samples) const {
-        if (kind == SurfaceKind::fraction) return scattered_samples(colors[0].a, hash, x, y);
+        if (kind == SurfaceKind::fraction) return detail::scattered_samples(colors[0].a, hash, x, y);
         std::uint64_t mask = 0;
         const Rgba8 one = color_of_pixel(x, y);
         for (unsigned k = 0; k < 64; ++k) {
             const int i = x + int(k % 8), j = y + int(k / 8);
             const Rgba8 c = shades_samples ? color_at(i, j) : one;
-            if (c.a == 255 || covered_by_hash(i, j, hash, c.a)) mask |= std::uint64_t(1) << k;
+            if (c.a == 255 || detail::covered_by_hash(i, j, hash, c.a)) mask |= std::uint64_t(1) << k;
         }
         return mask;
     }
@@ -77,13 +77,17 @@ struct Surface {
     Rgba8 color_at(int x, int y) const {
         if (is_flat) return colors[0];
         const Rgba8 corners[3] = {colors[0], colors[1], colors[2]};
-        return ColorPlane(triangle, triangle.doubled_area(), is_perspective).at(x, y, corners);
+        return detail::ColorPlane(triangle, triangle.doubled_area(), is_perspective).at(x, y, corners);
     }
     FARFIELD_INLINE Rgba8 seen(Rgba8 c) const {
         if (kind != SurfaceKind::background && kind != SurfaceKind::deposit) c.a = 255;
         return c;
     }
 };
+
+}  // namespace farfield
+
+namespace farfield::detail {
 
 /// A convex polygon on the screen, ready to be tiled: clockwise, rows running downwards.
 struct TilePolygon {
@@ -111,4 +115,4 @@ struct TilePolygon {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

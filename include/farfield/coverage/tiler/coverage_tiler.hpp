@@ -56,6 +56,10 @@ struct StrictCoverage : LazyCoverage {
     static constexpr CoverageOrder order = CoverageOrder::strict;
 };
 
+}  // namespace farfield
+
+namespace farfield::detail {
+
 /// The buffers that polygons are tiled into.
 template <class Traits>
 struct CoverageTarget {
@@ -152,4 +156,4 @@ struct CoverageTiler {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

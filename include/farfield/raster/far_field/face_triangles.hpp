@@ -10,7 +10,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Calls f(triangle, depth plane) for each clockwise triangle of the face, clipped to what can be drawn. Adjoining
 /// faces leave no gap.
@@ -39,4 +39,4 @@ void for_triangles_of(const Face& face, const SampleProjection& projection, F&& 
     }
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

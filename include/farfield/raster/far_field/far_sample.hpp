@@ -11,7 +11,7 @@
 
 #include "farfield/geometry/area_law.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 namespace lanes {
 inline constexpr int side = 4, count = side * side;  ///< of a sample
@@ -31,4 +31,4 @@ struct alignas(16) FarSample {
                                         lanes::one, lanes::one, lanes::one, lanes::one};  ///< row by row
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

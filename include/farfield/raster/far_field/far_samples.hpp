@@ -14,7 +14,7 @@
 #include "farfield/raster/far_field/transmittance_lanes.hpp"
 #include "farfield/raster/sample_rect.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Samples are addressed from the upper left one. Deposits come front to back over a z-buffer of geometry, `depth`, row
 /// by row, larger when nearer: a deposit behind it is dropped. A sample that lets nothing through any more, or whose
@@ -219,4 +219,4 @@ class FarSamples {
     bool has_begun_ = false, any_closed_ = false;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -10,7 +10,7 @@
 #include "farfield/raster/far_field/far_sample.hpp"
 #include "farfield/raster/far_field/transmittance_lanes_sse2.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 // Two namespaces that compute the same bits, one lane at a time and eight:
 //
@@ -134,4 +134,4 @@ namespace native_lanes = eight_lanes_at_a_time;
 namespace native_lanes = one_lane_at_a_time;
 #endif
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -11,7 +11,7 @@
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/raster/far_field/far_sample.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 namespace eight_lanes_at_a_time {
 
@@ -138,6 +138,6 @@ class Deposit {
 
 }  // namespace eight_lanes_at_a_time
 
-}  // namespace farfield
+}  // namespace farfield::detail
 
 #endif

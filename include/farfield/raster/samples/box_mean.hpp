@@ -8,7 +8,7 @@
 
 #include "farfield/geometry/rgba8.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// The mean of a_side x a_side samples, at most 8 x 8, rounded to nearest; rows are `stride` apart.
 inline Rgba8 mean_of_samples(const Rgba8* samples, std::size_t stride, int a_side) {
@@ -28,4 +28,4 @@ inline Rgba8 mean_of_samples(const Rgba8* samples, std::size_t stride, int a_sid
     return std::bit_cast<Rgba8>(byte(even) | byte(odd) << 8 | byte(even >> 16) << 16 | byte(odd >> 16) << 24);
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -11,7 +11,7 @@
 #include "farfield/raster/sample_rect.hpp"
 #include "farfield/raster/samples/box_mean.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Samples are addressed relative to the projection's center sample. Only what the last frame drew is cleared.
 class ColorSamples {
@@ -79,4 +79,4 @@ class ColorSamples {
     bool image_is_stale_ = true;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

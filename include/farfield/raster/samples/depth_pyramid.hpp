@@ -13,7 +13,7 @@
 #include <limits>
 #include <vector>
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Lies over a z-buffer that it does not own, stored row by row, larger when nearer. It has one number for 64 samples,
 /// one for 64 of those and so on.
@@ -151,4 +151,4 @@ class DepthPyramid {
     std::vector<float> farthest_;  ///< finest level first
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -10,7 +10,7 @@
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/triangles/sample_rows.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// The nearer sample stays; of two at the same depth the larger color stays, in whatever order they come.
 class DepthTestedFill {
@@ -69,4 +69,4 @@ class DepthTestedFill {
     const SampleRows& rows_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

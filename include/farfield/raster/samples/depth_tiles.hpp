@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Depths only come nearer within a frame, so an outdated farthest depth errs towards the far side. A tile is updated
 /// when it is asked about, never while drawing.
@@ -45,4 +45,4 @@ class DepthTiles {
     std::vector<float> farthest_;  ///< least q
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -12,7 +12,7 @@
 #include "farfield/raster/samples/sample_buffers.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// SampleBuffers::begin_far() must come before the first deposit.
 class FarDeposits {
@@ -55,4 +55,4 @@ class FarDeposits {
     SampleBuffers& buffers_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

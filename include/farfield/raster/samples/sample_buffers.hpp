@@ -19,7 +19,7 @@
 #include "farfield/raster/samples/box_mean.hpp"
 #include "farfield/raster/samples/depth_tiles.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Samples are addressed relative to the projection's center sample. Only what the last frame drew is cleared.
 ///
@@ -202,4 +202,4 @@ class SampleBuffers {
     SampleRect near_, drawn_in_image_;  ///< relative to the upper left sample
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -21,7 +21,7 @@
 #include "farfield/raster/triangles/triangle_triage.hpp"
 #include "farfield/renderer.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Errors name `renderer`, a string literal.
 class ZBufferCanvas {
@@ -129,4 +129,4 @@ class ZBufferCanvas {
     Image image_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -14,7 +14,7 @@
 #include "farfield/raster/shading.hpp"
 #include "farfield/raster/simd.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Evaluates DepthPlane::at along a row.
 struct DepthOfRow {
@@ -101,4 +101,4 @@ struct SampleRows {
     static constexpr int shortest = 6;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -22,7 +22,7 @@
 #include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// A shade gives a fill the color of a sample; colors are known after prepare().
 struct OneColor {
@@ -178,4 +178,4 @@ class TrianglePainter {
     const Fill& fill_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -7,7 +7,7 @@
 #include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Calls f(block, masks, triaged, in_range) for each block that holds some of the triangles [first, end); `in_range`
 /// marks their lanes.
@@ -45,4 +45,4 @@ void draw_triangles(const TriangleStream& stream, std::uint32_t first, std::uint
         });
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -9,7 +9,7 @@
 #include "farfield/primitive.hpp"
 #include "farfield/renderer.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Eight triangles, structure of arrays: v[3 * corner + axis][lane]. Small runs start anywhere, so blocks are short.
 struct TriangleBlock {
@@ -86,4 +86,4 @@ class TriangleStream {
     bool several_colors_ = false;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

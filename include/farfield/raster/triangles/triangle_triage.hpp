@@ -12,7 +12,7 @@
 #include "farfield/raster/snapping.hpp"
 #include "farfield/raster/triangles/triangle_stream.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// A triangle is small, and may be deposited, if its bounding box is smaller than this many samples on both axes.
 inline constexpr float deposited_below = 2.0f;
@@ -70,4 +70,4 @@ TriageFunction triage_function(Simd simd) {
     return lanes >= 4 ? &four_lanes::triage_any<deposits> : &one_lane::triage_any<deposits>;
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail
