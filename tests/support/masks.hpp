@@ -18,6 +18,7 @@
 #include "support/random.hpp"
 
 namespace farfield::test {
+using namespace detail;
 
 inline constexpr Simd all_simd[] = {Simd::scalar, Simd::four_lanes, Simd::eight_lanes, Simd::sixteen_lanes};
 
