@@ -15,7 +15,7 @@ namespace farfield {
 /// Counts one frame's work. Cells are those of the pyramid, masks of samples included; samples and the background's
 /// visits are not counted.
 struct CoverageWork {
-    std::uint64_t polygons_tiled = 0;    ///< neither without a sample nor hidden by their bounding box
+    std::uint64_t polygons_tiled = 0;    ///< neither hidden by their bounding box nor without a sample
     std::uint64_t cells_tiled = 0;       ///< visited for polygons
     std::uint64_t cells_asked = 0;       ///< visited to find whether a box is hidden
     std::uint64_t masks_z_buffered = 0;  ///< because polygons did not come front to back

@@ -70,8 +70,8 @@ class EdgeMaskTable {
         std::uint8_t pair;  ///< index to side_pairs
         Ray first, second;
     };
-    /// Indexed by which of the corners (1, 0), (0, 1) and (1, 1) are parted from (0, 0). For none the edge misses; (1,
-    /// 0) and (0, 1) without (1, 1) never happens.
+    /// Indexed by which of the corners (1, 0), (0, 1) and (1, 1) are parted from (0, 0). For none the edge misses; the
+    /// first two without the third never are.
     static constexpr std::array<Parting, 8> partings{{{},
                                                       {0, {0, 0}, {1, 1}},
                                                       {1, {2, 0}, {0, 1}},

@@ -36,8 +36,7 @@ inline int lanes_for(Simd wanted) {
 }  // namespace farfield
 
 // Marks small functions that kernels call. Inlined, they are compiled for the kernel's instruction set; a call would
-// mix the old and the new encoding of vector instructions, and the first old one waits for the upper halves of
-// registers.
+// mix the old and the new encoding of vector instructions, where the first old one waits for all registers.
 #if defined(__GNUC__)
 #define FARFIELD_INLINE [[gnu::always_inline]] inline
 #else

@@ -1,4 +1,4 @@
-// The sources that a renderer keeps, in a form of its own.
+// Keeps a renderer's sources in the form that it draws.
 #pragma once
 
 #include <cstddef>

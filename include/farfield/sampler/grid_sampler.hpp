@@ -30,7 +30,7 @@ class GridSampler {
     GridSampler(const DirectionalLight& l)  // NOLINT(google-explicit-constructor): a light is all it needs
         : light(l) {}
 
-    /// The factor of colors on the side with this normal (any length).
+    /// The factor that the light gives to colors of the side with this normal (any length).
     float brightness(const Polygon& polygon, glm::vec3 facing_viewer) const {
         return light && !polygon.is_lit ? light->brightness(facing_viewer) : 1.0f;
     }

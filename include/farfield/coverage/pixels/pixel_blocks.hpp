@@ -102,7 +102,7 @@ class PixelBlocks {
     std::vector<std::uint64_t> tags_;  ///< the color as it lies in memory, or is_open
 };
 
-/// For four bits, four words: the i-th has all bits set where bit i is.
+/// select_of_four[bits] is four words; the i-th has all bits set where bit i is.
 template <class Word>
 inline constexpr auto select_of_four = [] {
     std::array<std::array<Word, 4>, 16> table{};

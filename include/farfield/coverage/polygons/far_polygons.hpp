@@ -25,9 +25,8 @@ enum class FarCoverage : std::uint8_t {
     /// Opacity becomes a part of the 64 samples, chosen anew for every cell and pixel: with cells of a pixel closed
     /// surfaces stay closed, but with larger ones single sheets get holes.
     samples,
-    /// Transmittances follow the area law on top of the masks: large cells of sheets leak a quarter as much, but a
-    /// closed
-    /// surface is torn where far cells adjoin geometry within a pixel. Without a box filter this means `samples`.
+    /// Transmittances follow the area law on top of the masks: large cells of sheets leak a quarter as much, but closed
+    /// surfaces are torn where far cells adjoin geometry within a pixel. Without a box filter this means `samples`.
     area_law,
 };
 

@@ -149,8 +149,7 @@ class LazyMasks : protected StrictMasks<Target> {
         }
     }
 
-    /// Draws as ZBufferRenderer does: the nearer wins, of two at the same depth the larger color. Returns the drawn
-    /// ones.
+    /// Draws as ZBufferRenderer does: the nearer wins, of two at the same depth the larger color. Returns what it drew.
     std::uint64_t draw_deep(DeepMask& deep, unsigned k, std::uint64_t inside, std::uint64_t covered,
                             const Surface& surface) const {
         using EightFloats = MaskKernel::EightFloats;

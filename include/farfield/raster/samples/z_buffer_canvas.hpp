@@ -1,4 +1,5 @@
-// The common part of renderers with a z-buffer: it draws sources, lit, and the far field into SampleBuffers.
+// The common part of renderers with a z-buffer: it lights sources, and draws them and the far field into
+// SampleBuffers.
 #pragma once
 
 #include <bit>
@@ -101,8 +102,7 @@ class ZBufferCanvas {
                     painter.deposit(block * TriangleBlock::lanes + lane, triaged, lane, front, opaque);
                 }
                 // Squares do not tile a surface as its triangles do, and its larger triangles are not deposited at all.
-                // The samples that its small ones hold are therefore drawn as well, behind, so that nothing shows
-                // through.
+                // So that nothing shows through, samples that its small ones hold are drawn as well, behind.
                 if (law != AreaLaw::coherent) in_range &= ~masks.small;
                 for (unsigned left = (masks.draw | masks.clip) & in_range; left != 0; left &= left - 1) {
                     const auto lane = unsigned(std::countr_zero(left));

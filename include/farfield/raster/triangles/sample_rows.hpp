@@ -30,7 +30,7 @@ struct DepthOfRow {
 
 /// Evaluates ColorPlane::at along a row.
 struct ColorsOfRow {
-    /// A corner's weight is (across - down (px - x)) inverse_area weight.
+    /// A corner's share at px is (across - down (px - x)) inverse_area weight.
     struct Weight {
         float across, down, x, weight;
     };
