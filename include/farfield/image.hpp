@@ -1,4 +1,4 @@
-// A picture in memory: what the software renderers make and what measure/ compares.
+// A picture in memory, which the software renderers make and measure/ compares.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace farfield {
 
-/// Rows from top to bottom, pixels from left to right, no padding. Where the alpha of a picture is below 255
-/// the colors are premultiplied: a renderer without a background gives coverage in alpha.
+/// Rows run from top to bottom and pixels from left to right, without padding. Colors with alpha below 255 are
+/// premultiplied: a renderer without a background gives coverage in alpha.
 class Image {
   public:
     Image() = default;
@@ -24,7 +24,7 @@ class Image {
     int width() const { return width_; }
     int height() const { return height_; }
 
-    /// No bounds check.
+    /// There is no bounds check.
     Rgba8& at(int x, int y) { return pixels_[index(x, y)]; }
     Rgba8 at(int x, int y) const { return pixels_[index(x, y)]; }
 

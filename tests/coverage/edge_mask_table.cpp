@@ -12,6 +12,7 @@
 #include "support/random.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 namespace {

@@ -13,6 +13,7 @@
 #include "support/masks.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 namespace {
@@ -81,7 +82,8 @@ void vary(Random& random, std::vector<TilePolygon>& polygons) {
             }
             s.gradient = ColorGradient(s.triangle, s.colors, s.is_perspective);
         }
-        s.is_solid = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
+        const bool is_opaque = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
+        s.kind = is_opaque ? SurfaceKind::opaque : SurfaceKind::translucent;
     }
 }
 

@@ -18,6 +18,7 @@
 #include "support/random.hpp"
 
 namespace farfield::test {
+using namespace detail;
 
 inline constexpr Simd all_simd[] = {Simd::scalar, Simd::four_lanes, Simd::eight_lanes, Simd::sixteen_lanes};
 
@@ -286,7 +287,7 @@ inline TilePolygon background_polygon(const SampleFrame& frame, Rgba8 color) {
     p.corners = 4;
     p.x = {left, right, right, left};
     p.y = {top, top, bottom, bottom};
-    p.surface.is_background = true;
+    p.surface.kind = SurfaceKind::background;
     p.surface.colors.fill(color);
     p.surface.depth.at_corner = p.surface.depth.lowest = p.surface.depth.highest =
         -std::numeric_limits<float>::infinity();

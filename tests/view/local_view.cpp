@@ -12,6 +12,7 @@
 #include "support/random.hpp"
 
 using namespace farfield;
+using farfield::detail::SampleProjection;
 using namespace farfield::test;
 
 namespace {

@@ -12,14 +12,14 @@
 namespace farfield {
 
 /// Level 0 has one conventional mask of 8 x 8 samples a cell, level k > 0 one triage mask of 8 x 8 cells of level
-/// k - 1, and the last level is one cell. Images of any size: subcells beyond the border are covered from the start.
-/// 1 2/63 bits a sample where sides are powers of 8; borders are padded to 8 x 8 masks.
+/// k - 1, and the last level is one cell. Images may have any size: subcells beyond the border are covered from the
+/// start. This takes 1 2/63 bits a sample where sides are powers of 8; borders are padded to 8 x 8 masks.
 ///
-/// Cleared lazily: begin() sets triage masks alone, one bit in 32; a mask of samples counts for nothing as long as the
-/// triage mask above it says vacant.
+/// Clearing is lazy: begin() sets triage masks alone, one bit in 32; a mask of samples is ignored as long as the triage
+/// mask above it says vacant.
 class CoveragePyramid {
   public:
-    /// Sides of 1 sample or more.
+    /// Sides must be 1 sample or more.
     void begin(int width_samples, int height_samples) {
         if (width_samples != width_ || height_samples != height_) resize(width_samples, height_samples);
         cells_ = initial_;
@@ -27,35 +27,35 @@ class CoveragePyramid {
 
     int width_samples() const { return width_; }
     int height_samples() const { return height_; }
-    /// Of the level that is one cell; 1 or more.
+    /// The level that is one cell; 1 or more.
     int top_level() const { return int(levels_.size()); }
-    /// Cells of a level.
+    /// The columns and rows of cells of a level.
     int columns(int level) const { return int((unsigned(width_) + (8u << 3 * level) - 1) >> 3 * (level + 1)); }
     int rows(int level) const { return int((unsigned(height_) + (8u << 3 * level) - 1) >> 3 * (level + 1)); }
 
-    /// Of a cell of level 1 or above; cells below the level that lie next to each other have next numbers.
+    /// The index of a cell of level 1 or above; cells that adjoin in a row have consecutive ones.
     std::size_t index(int level, int x, int y) const {
         const Level& l = levels_[std::size_t(level - 1)];
         return l.first + std::size_t(y) * l.columns + std::size_t(x);
     }
     TriageMask& operator[](std::size_t cell) { return cells_[cell]; }
     const TriageMask& operator[](std::size_t cell) const { return cells_[cell]; }
-    /// Number of cells of levels 1 and above.
+    /// The number of cells of levels 1 and above.
     std::size_t size() const { return cells_.size(); }
-    /// Cells of level 1, which come first: the *blocks* of 8 x 8 masks of samples.
+    /// The number of cells of level 1, which come first: the *blocks* of 8 x 8 masks of samples.
     std::size_t block_count() const { return levels_.empty() ? 0 : levels_[0].columns * levels_[0].rows; }
 
     /// The 64 masks of samples of a block, valid where the block does not say vacant.
     std::uint64_t* samples_of_block(std::size_t block) { return samples_.data() + 64 * block; }
     const std::uint64_t* samples_of_block(std::size_t block) const { return samples_.data() + 64 * block; }
-    /// What the mask of samples (x, y) of level 0 begins with: samples beyond the border.
+    /// The initial value of the mask of samples (x, y) of level 0: samples beyond the border are set.
     std::uint64_t samples_outside(int x, int y) const { return is_ragged_ ? outside(0, x, y) : no_subcells; }
 
-    /// Nothing has been said of its subcells in this frame.
+    /// Whether the cell's subcells are unchanged in this frame.
     bool is_untouched(std::size_t cell) const {
         return cells_[cell].vacant == all_subcells || cells_[cell] == initial_[cell];
     }
-    /// Subcells inside the image.
+    /// The subcells inside the image.
     std::uint64_t inside(std::size_t cell) const { return initial_[cell].vacant; }
     bool is_covered(std::size_t cell) const { return cells_[cell].covered == all_subcells; }
     std::size_t bytes() const { return cells_.size() * sizeof(TriageMask) + samples_.size() * sizeof(std::uint64_t); }
@@ -83,7 +83,7 @@ class CoveragePyramid {
         samples_.assign(64 * block_count(), no_subcells);
     }
 
-    /// Subcells of a cell that lie beyond the border altogether.
+    /// The subcells of a cell that lie entirely beyond the border.
     std::uint64_t outside(int level, int x, int y) const {
         const int columns_inside = (level == 0 ? width_ : columns(level - 1)) - 8 * x;
         const int rows_inside = (level == 0 ? height_ : rows(level - 1)) - 8 * y;

@@ -1,4 +1,4 @@
-// How much tiling did: cells of the pyramid visited, as a number or as a picture.
+// Measures the work of tiling: cells of the pyramid visited, as a number or as a picture.
 #pragma once
 
 #include <algorithm>
@@ -12,13 +12,13 @@
 
 namespace farfield {
 
-/// Of a frame. Cells are those of the pyramid, masks of samples included; samples are not counted. The background's
-/// visits are not either.
+/// Counts one frame's work. Cells are those of the pyramid, masks of samples included; samples and the background's
+/// visits are not counted.
 struct CoverageWork {
-    std::uint64_t polygons_tiled = 0;    ///< that were neither hidden by their bounding box nor without a sample
+    std::uint64_t polygons_tiled = 0;    ///< neither hidden by their bounding box nor without a sample
     std::uint64_t cells_tiled = 0;       ///< visited for polygons
-    std::uint64_t cells_asked = 0;       ///< visited for questions whether a box is hidden
-    std::uint64_t masks_z_buffered = 0;  ///< where polygons did not come front to back
+    std::uint64_t cells_asked = 0;       ///< visited to find whether a box is hidden
+    std::uint64_t masks_z_buffered = 0;  ///< because polygons did not come front to back
 
     void begin(const CoveragePyramid&) { *this = {}; }
     void tiles(int, int, int) { ++cells_tiled; }
@@ -26,7 +26,7 @@ struct CoverageWork {
     void tiles_masks(int, int, std::uint64_t, int count) { cells_tiled += std::uint64_t(count); }
 };
 
-/// Likewise, and where: "work images that show the number of times during frame generation that each cell in the
+/// Also keeps "work images that show the number of times during frame generation that each cell in the
 /// coverage pyramid is visited, with an access to a coarser-than-pixel cell being amortized over the corresponding
 /// window of the screen" (Greene 1996, section 9 and figure 3).
 class CoverageWorkImage : public CoverageWork {
@@ -45,7 +45,7 @@ class CoverageWorkImage : public CoverageWork {
         CoverageWork::asks(level, x, y);
         amortize(visits_[1], level, x, y);
     }
-    /// Of a block, (x, y) of level 1.
+    /// Adds masks of block (x, y) of level 1.
     void tiles_masks(int x, int y, std::uint64_t masks, int count) {
         CoverageWork::tiles_masks(x, y, masks, count);
         for (; masks != 0; masks &= masks - 1) {
@@ -54,7 +54,7 @@ class CoverageWorkImage : public CoverageWork {
         }
     }
 
-    /// By mask of samples, row by row: for 64 samples a pixel, by pixel. Sums are cells_tiled and cells_asked.
+    /// Visits by mask of samples, row by row; with 64 samples a pixel, by pixel. Sums are cells_tiled and cells_asked.
     const std::vector<float>& tiled() const { return visits_[0]; }
     const std::vector<float>& asked() const { return visits_[1]; }
     int columns() const { return int(columns_); }

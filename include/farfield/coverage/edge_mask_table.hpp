@@ -1,5 +1,5 @@
-// The paper's way to an edge's masks: look them up by where the edge crosses the cell's border (Greene 1996, sections
-// 3, 4.2 and 9). Exact masks are faster on today's machines and lose nothing; this is what they are compared with.
+// Gets an edge's masks as the paper does: by a table of where the edge crosses the cell's border (Greene 1996, sections
+// 3, 4.2 and 9). Exact masks are faster on today's machines and lose nothing; they are compared with this.
 #pragma once
 
 #include <array>
@@ -9,23 +9,24 @@
 
 #include "farfield/coverage/triage_mask.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Masks of all edges that cross a square whose sides have 64 intervals each: an entry for each two intervals not on
-/// one side, 576 KiB. Edges of opposite directions share entries (section 4.2). The same on every machine.
+/// Holds the masks of all edges that cross a square whose sides have 64 intervals each: an entry for each two intervals
+/// not on one side, 576 KiB. Edges of opposite directions share entries (section 4.2). All machines build the same
+/// table.
 ///
-/// Edges are E(i, j) = e + 256 (a i + b j), 0 or more inside, at sample (i, j) counted from the cell's first one;
-/// |a|, |b| < 2^24, |e| < 2^50, log2_subcell at most 15. The square reaches half a sample beyond the outer samples.
+/// An edge is E(i, j) = e + 256 (a i + b j), 0 or more inside, at sample (i, j) counted from the cell's first one, with
+/// |a|, |b| < 2^24, |e| < 2^50 and log2_subcell at most 15. The square reaches half a sample beyond the outer samples.
 /// Edges that miss it, and those without a direction (a = b = 0), are all inside or all outside, exactly.
 ///
 /// An edge and its reverse, (-e - 1, -a, -b), always give complementary masks: polygons on both sides of an edge leave
-/// no gap and do not overlap along it. Where edges end within the square their lines no longer meet in a point: of
-/// vertices where three polygons meet one in 700 leaves a sample to none of them.
+/// no gap and do not overlap along it. Where edges end within the square their lines no longer meet in a point: one in
+/// 700 vertices where three polygons meet leaves a sample to none of them.
 class EdgeMaskTable {
   public:
     static constexpr int intervals = 64;
 
-    /// Built at the first call, from any thread, in a few hundredths of a second. Keep the reference.
+    /// The first call, from any thread, builds the table in a few hundredths of a second. Keep the reference.
     static const EdgeMaskTable& instance() {
         static const EdgeMaskTable table;
         return table;
@@ -33,9 +34,9 @@ class EdgeMaskTable {
     EdgeMaskTable(const EdgeMaskTable&) = delete;
     EdgeMaskTable& operator=(const EdgeMaskTable&) = delete;
 
-    /// Of 8 x 8 subcells of 2^log2_subcell samples a side. Conservative: covered subcells have E >= 0 at every sample,
-    /// vacant ones at none. Of edges in random places and directions it makes 10.1 subcells of 64 active; exact masks
-    /// make 8.4 where a subcell has 8 samples a side, 9.4 where it has 64.
+    /// The mask of 8 x 8 subcells of 2^log2_subcell samples a side. It is conservative: covered subcells have E >= 0 at
+    /// every sample, vacant ones at none. Edges in random places and directions make 10.1 of 64 subcells active; with
+    /// exact masks it is 8.4 where a subcell has 8 samples a side, 9.4 where it has 64.
     TriageMask triage(std::int64_t e, std::int32_t a, std::int32_t b, int log2_subcell) const {
         const Crossing edge(e, a, b, log2_subcell);
         if (edge.parted == 0) return {~edge.complement, edge.complement};
@@ -44,8 +45,9 @@ class EdgeMaskTable {
         return {sides.same ^ exchanged, sides.other ^ exchanged};
     }
 
-    /// Of 8 x 8 samples: those inside the edge through the middles of the intervals crossed. Of edges in random places
-    /// and directions 15 % get a wrong mask; 0.16 samples of 64 are wrong on average, 4 at most in a million edges.
+    /// The mask of 8 x 8 samples: those inside the edge through the middles of the intervals crossed. 15 % of edges in
+    /// random places and directions get a wrong mask; 0.16 of 64 samples are wrong on average, 4 at most in a million
+    /// edges.
     std::uint64_t samples(std::int64_t e, std::int32_t a, std::int32_t b) const {
         const Crossing edge(e, a, b, 0);
         return (edge.parted == 0 ? all_subcells : samples_[edge.entry()]) ^ edge.complement;
@@ -56,7 +58,7 @@ class EdgeMaskTable {
     struct SidePair {
         Side first, second;
     };
-    /// In the order that makes Line 0 or more at the square's corner (0, 0).
+    /// Each pair is in the order that makes Line 0 or more at the square's corner (0, 0).
     static constexpr std::array<SidePair, 6> side_pairs{
         {{top, right}, {bottom, left}, {right, bottom}, {top, bottom}, {right, left}, {top, left}}};
 
@@ -68,8 +70,8 @@ class EdgeMaskTable {
         std::uint8_t pair;  ///< index to side_pairs
         Ray first, second;
     };
-    /// By which of the corners (1, 0), (0, 1) and (1, 1) are parted from (0, 0). None: the edge misses; (1, 0) and
-    /// (0, 1) without (1, 1) never are.
+    /// Indexed by which of the corners (1, 0), (0, 1) and (1, 1) are parted from (0, 0). For none the edge misses; the
+    /// first two without the third never are.
     static constexpr std::array<Parting, 8> partings{{{},
                                                       {0, {0, 0}, {1, 1}},
                                                       {1, {2, 0}, {0, 1}},
@@ -84,7 +86,7 @@ class EdgeMaskTable {
     /// integers below 2^53, which double precision adds exactly.
     struct Crossing {
         double value[3];           ///< 2 E + 1 at corners (0, 0), (1, 0) and (0, 1)
-        double minus_interval[2];  ///< what an interval along either axis takes away
+        double minus_interval[2];  ///< change over an interval along either axis, negated
         std::uint64_t complement;  ///< all ones: corner (0, 0) is outside
         unsigned parted;           ///< index to partings
 
@@ -109,7 +111,7 @@ class EdgeMaskTable {
 
       private:
         static std::int64_t bits(double v) { return std::bit_cast<std::int64_t>(v); }
-        /// The quotient is farther from integers than it can be rounded.
+        /// The quotient's distance to integers exceeds its rounding error.
         unsigned interval(Ray side) const { return unsigned(int(value[side.corner] / minus_interval[side.axis])); }
     };
 
@@ -129,13 +131,13 @@ class EdgeMaskTable {
             }
             return bits;
         }
-        /// Subcells, `step` wide, that lie on one side altogether: the corner farthest towards the other one does.
+        /// The subcells, `step` wide, entirely on one side: their corner farthest towards the other side is on it.
         std::uint64_t subcells(int sign, int step) const {
             return mask(sign, {sign * (q.y - p.y) > 0 ? step : 0, sign * (q.x - p.x) < 0 ? step : 0}, step);
         }
     };
 
-    /// At twice the distance t from the side's beginning; 128 is the square's side.
+    /// The point at t half intervals from the side's beginning; 128 is the square's side.
     static Point on(Side side, int t) {
         if (side == top || side == bottom) return {t, side == top ? 0 : 2 * intervals};
         return {side == left ? 0 : 2 * intervals, t};
@@ -145,7 +147,7 @@ class EdgeMaskTable {
         constexpr int subcell = 2 * intervals / 8;
         std::size_t entry = 0;
         for (const auto& [s1, s2] : side_pairs) {
-            // Of the quadrilateral that two intervals span, these two edges part it from the rest of the square.
+            // Two intervals span a quadrilateral; these two of its edges part it from the rest of the square.
             const int crossed = (s1 == top && s2 == right) || (s1 == bottom && s2 == left) ? 2 : 0;
             for (int t1 = 0; t1 < 2 * intervals; t1 += 2) {
                 for (int t2 = 0; t2 < 2 * intervals; t2 += 2, ++entry) {
@@ -160,7 +162,7 @@ class EdgeMaskTable {
     }
 
     static constexpr std::size_t entries = side_pairs.size() * intervals * intervals;
-    /// Subcells on the side of the square's corner (0, 0), and on the other one.
+    /// The subcells on the side of the square's corner (0, 0), and on the other side.
     struct Sides {
         std::uint64_t same, other;
     };
@@ -168,4 +170,4 @@ class EdgeMaskTable {
     std::array<std::uint64_t, entries> samples_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,6 +1,6 @@
-// Jittered samples: each lies at random within its own square of the 8 x 8 of a pixel, which turns aliasing into noise,
-// and pixels choose among several such patterns, for of one alone there are "subtle patterned aliasing artifacts"
-// (Greene 1996, sections 4.4 and 9; R. L. Cook, "Stochastic Sampling in Computer Graphics", ACM Transactions on
+// Jittered samples: each lies at random within its own square of the 8 x 8 of a pixel, which turns aliasing into noise.
+// Pixels choose among several such patterns, because a single one gives "subtle patterned aliasing artifacts" (Greene
+// 1996, sections 4.4 and 9; R. L. Cook, "Stochastic Sampling in Computer Graphics", ACM Transactions on
 // Graphics 5(1), 1986).
 #pragma once
 
@@ -15,9 +15,9 @@
 #include <emmintrin.h>
 #endif
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Where the 64 samples of a pixel lie, row by row; without jitter at first.
+/// The positions of a pixel's 64 samples, row by row; without jitter at first.
 struct alignas(16) JitterPattern {
     /// x and y of each in 1/256 sample, from the regular center of the first one.
     std::int16_t position[64][2];
@@ -25,7 +25,7 @@ struct alignas(16) JitterPattern {
     constexpr JitterPattern() : position() {
         for (unsigned k = 0; k < 64; ++k) place(k, 0, 0);
     }
-    /// Sample 8 * row + column, relative to its regular center: -128 to 127.
+    /// Places sample k = 8 * row + column relative to its regular center: -128 to 127.
     constexpr void place(unsigned k, int x, int y) {
         position[k][0] = std::int16_t(int(k % 8) * 256 + x);
         position[k][1] = std::int16_t(int(k / 8) * 256 + y);
@@ -35,9 +35,9 @@ struct alignas(16) JitterPattern {
 };
 
 /// The samples of a jittered pixel that an edge function does not exclude: bit k is set where
-/// e + a * position[k][0] + b * position[k][1] >= 0. So `e` is its value at the regular center of the pixel's first
-/// sample, and `a` and `b` what it grows by with 1/256 sample. Exact for |e| < 2^62 and |a|, |b| < 2^24: of the
-/// reversed edge, (-e - 1, -a, -b), it is the complement.
+/// e + a * position[k][0] + b * position[k][1] >= 0. So `e` is the value at the regular center of the pixel's first
+/// sample, and `a` and `b` are the growth by 1/256 sample. Exact for |e| < 2^62 and |a|, |b| < 2^24: the reversed edge,
+/// (-e - 1, -a, -b), gives the complement.
 std::uint64_t samples(const JitterPattern& pattern, std::int64_t e, std::int32_t a, std::int32_t b);
 
 /// The most by which an edge function can differ at a sample from its value at the sample's regular center.
@@ -47,7 +47,7 @@ inline std::int64_t jitter_slack(std::int32_t a, std::int32_t b) {
 
 class JitterPatterns {
   public:
-    /// Patterns of the same seed are the same everywhere. Throws std::invalid_argument for none.
+    /// The same seed gives the same patterns everywhere. Throws std::invalid_argument for 0 or too many.
     explicit JitterPatterns(std::size_t count, std::uint64_t seed = 0) {
         if (count == 0 || count > 0xffffffffu) {
             throw std::invalid_argument("farfield::JitterPatterns: the count must be from 1 to 2^32 - 1");
@@ -63,7 +63,7 @@ class JitterPatterns {
 
     std::size_t size() const { return patterns_.size(); }
     const JitterPattern& operator[](std::size_t i) const { return patterns_[i]; }
-    /// That of a pixel: without regularity, but in every frame the same, so that what stands still does not flicker.
+    /// A pixel's pattern: irregular, but the same in every frame, so that still images do not flicker.
     const JitterPattern& pattern_of(int x_px, int y_px) const {
         const std::uint64_t hash = scrambled(std::uint64_t(std::uint32_t(y_px)) << 32 | std::uint32_t(x_px));
         return patterns_[std::size_t((hash >> 32) * patterns_.size() >> 32)];
@@ -80,9 +80,7 @@ class JitterPatterns {
     std::vector<JitterPattern> patterns_;
 };
 
-namespace detail {
-
-/// By the definition.
+/// Applies the definition.
 inline std::uint64_t samples_one_by_one(const JitterPattern& pattern, std::int64_t e, std::int32_t a, std::int32_t b) {
     std::uint64_t mask = 0;
     for (unsigned k = 0; k < 64; ++k) {
@@ -93,7 +91,7 @@ inline std::uint64_t samples_one_by_one(const JitterPattern& pattern, std::int64
 }
 
 #if defined(__SSE2__)
-/// An edge function E split for arithmetic of 32 bits: with a = 512 A + a', likewise b and e, and primed ones in
+/// An edge function E split for arithmetic of 32 bits: with a = 512 A + a', b and e alike, and primed ones in
 /// [0, 512), E is 0 or more where A x + B y + C + floor((a' x + b' y + e') / 512) is. A and B have 16 bits, and C may
 /// be cut off where the other terms, below 2^28, do not reach. A short edge, |a|, |b| < 2^15, needs no split.
 template <bool is_short>
@@ -124,16 +122,14 @@ std::uint64_t samples_eight_at_a_time(const JitterPattern& pattern, std::int64_t
 }
 #endif
 
-}  // namespace detail
-
 inline std::uint64_t samples(const JitterPattern& pattern, std::int64_t e, std::int32_t a, std::int32_t b) {
 #if defined(__SSE2__)
     const bool is_short = std::int16_t(a) == a && std::int16_t(b) == b;
-    return is_short ? detail::samples_eight_at_a_time<true>(pattern, e, a, b)
-                    : detail::samples_eight_at_a_time<false>(pattern, e, a, b);
+    return is_short ? samples_eight_at_a_time<true>(pattern, e, a, b)
+                    : samples_eight_at_a_time<false>(pattern, e, a, b);
 #else
-    return detail::samples_one_by_one(pattern, e, a, b);
+    return samples_one_by_one(pattern, e, a, b);
 #endif
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,6 +1,6 @@
-// What lazy z-buffering remembers of a frame (Greene 1996, section 6.1): how far away the farthest thing drawn in each
-// cell is, which fragments make up each pixel, and depth and color of every sample of those pixels where polygons did
-// not come front to back.
+// The memory of lazy z-buffering within a frame (Greene 1996, section 6.1): the farthest depth drawn in each cell, the
+// fragments that make up each pixel, and depth and color of every sample of those pixels where polygons did not come
+// front to back.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +16,6 @@
 
 namespace farfield {
 
-/// q of something in each subcell; infinity where there is nothing.
-struct alignas(64) SubcellDepths {
-    std::array<float, 64> q;
-    void clear() { q.fill(std::numeric_limits<float>::infinity()); }
-};
-
 /// "Reverting to ordinary z-buffering, allocating the memory required for storing color and depth at each subpixel
 /// sample": 512 bytes. Valid for samples that are covered.
 struct alignas(64) DeepMask {
@@ -29,22 +23,32 @@ struct alignas(64) DeepMask {
     std::array<Rgba8, 64> color;
 };
 
+}  // namespace farfield
+
+namespace farfield::detail {
+
+/// A q for each subcell; infinity where there is nothing.
+struct alignas(64) SubcellDepths {
+    std::array<float, 64> q;
+    void clear() { q.fill(std::numeric_limits<float>::infinity()); }
+};
+
 class LazyDepth {
   public:
     static constexpr std::uint32_t none = 0xffffffffu;
 
-    /// Some samples of a mask, or some masks of a block, that show one surface. Those of one list do not overlap.
+    /// Some samples of a mask, or some masks of a block, that show one surface. Fragments of one list do not overlap.
     struct Fragment {
         std::uint64_t bits;
         std::uint32_t surface;
         std::uint32_t next;  ///< or none
     };
 
-    /// What has been drawn into a block, where it has been opened.
+    /// The record of what was drawn into a block once it is opened.
     struct Block {
         std::uint64_t deep = no_subcells;  ///< masks that are z-buffered
-        std::uint32_t whole_masks = none;  ///< fragments: surfaces that covered masks all at once
-        std::uint32_t covered_by = none;   ///< the surface that covered all of a cell at once; the rest is not valid
+        std::uint32_t whole_masks = none;  ///< fragments of surfaces that covered masks all at once
+        std::uint32_t covered_by = none;   ///< surface that covered all of the cell at once; the rest is then not valid
     };
 
     void begin(const CoveragePyramid& pyramid) {
@@ -58,17 +62,17 @@ class LazyDepth {
         deep_places_.clear();
     }
 
-    /// Nothing has been drawn into a cell of level 1 or above.
+    /// Resets a cell of level 1 or above, into which nothing has been drawn.
     void open(std::size_t cell) {
         farthest_[cell].clear();
         cells_[cell] = {};
     }
     /// A lower bound of q over all that is seen in each subcell of a cell.
     SubcellDepths& farthest(std::size_t cell) { return farthest_[cell]; }
-    /// Of cells above blocks only covered_by means anything.
+    /// The record of a cell; above blocks only covered_by is used.
     Block& block(std::size_t cell) { return cells_[cell]; }
     const Block& block(std::size_t cell) const { return cells_[cell]; }
-    /// Of mask `at` of samples, 64 * block + subcell: its first fragment, or, where it is z-buffered, which DeepMask.
+    /// The first fragment of mask `at` of samples, 64 * block + subcell, or its DeepMask if z-buffered.
     std::uint32_t& history(std::size_t at) { return histories_[at]; }
     std::uint32_t history(std::size_t at) const { return histories_[at]; }
 
@@ -83,15 +87,15 @@ class LazyDepth {
     }
     void forget_last_surface() { --surface_count_; }
     const Surface& surface(std::uint32_t index) const { return surfaces_[index]; }
-    /// The surface's: asked for far more often, and an eighth of its size.
+    /// The depth of a surface, kept apart: it is read far more often and is an eighth of the size.
     const DepthPlane& depth(std::uint32_t index) const { return depths_[index]; }
 
-    /// Room for so many fragments more: add_fragment() may then be called as often.
+    /// Makes room for this many more calls of add_fragment().
     void reserve_fragments(std::uint32_t count) {
         if (fragment_count_ + count > fragments_.size()) [[unlikely]]
             grow_fragments(count);
     }
-    /// At the head of a list.
+    /// Adds a fragment at the head of a list.
     void add_fragment(std::uint32_t& list, std::uint64_t bits, std::uint32_t surface) {
         fragments_[fragment_count_] = {bits, surface, list};
         list = fragment_count_++;
@@ -99,7 +103,7 @@ class LazyDepth {
     const Fragment& fragment(std::uint32_t index) const { return fragments_[index]; }
 
     DeepMask& deep(std::size_t at) { return deep_[histories_[at] / chunk][histories_[at] % chunk]; }
-    /// A new one, not filled in. What its history was is lost.
+    /// Makes a new mask, not filled in. Its history is lost.
     DeepMask& make_deep(std::size_t at) {
         const std::size_t index = deep_places_.size();
         if (index / chunk == deep_.size()) deep_.push_back(std::make_unique<DeepMask[]>(chunk));
@@ -107,7 +111,7 @@ class LazyDepth {
         deep_places_.push_back(at);
         return deep(at);
     }
-    /// Masks that are z-buffered, as history() takes them.
+    /// The masks that are z-buffered, as history() takes them.
     const std::vector<std::size_t>& deep_places() const { return deep_places_; }
 
   private:
@@ -119,11 +123,11 @@ class LazyDepth {
     std::vector<Block> cells_;
     std::vector<std::uint32_t> histories_;
     std::vector<Surface> surfaces_;
-    std::vector<DepthPlane> depths_;  ///< of surfaces
+    std::vector<DepthPlane> depths_;  ///< by surface
     std::vector<Fragment> fragments_;
-    std::uint32_t surface_count_ = 0, fragment_count_ = 0;  ///< of those that are there
+    std::uint32_t surface_count_ = 0, fragment_count_ = 0;  ///< in use
     std::vector<std::unique_ptr<DeepMask[]>> deep_;
     std::vector<std::size_t> deep_places_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

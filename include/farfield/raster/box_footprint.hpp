@@ -10,7 +10,7 @@
 #include "farfield/raster/box_fronts.hpp"
 #include "farfield/raster/sample_projection.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Holds every sample, inside the image and relative to its center sample, that polygons inside the box may cover,
 /// roundings of box, projection and snapping included.
@@ -21,17 +21,17 @@ struct BoxFootprint {
 
     bool is_empty() const { return x0 > x1 || y0 > y1; }
 
-    BoxFootprint(glm::vec3 center, glm::vec3 half, const SampleProjection& to) {
+    BoxFootprint(glm::vec3 center, glm::vec3 half, const SampleProjection& projection) {
         constexpr float some_roundings = 0x1p-20f;
         half += (glm::abs(center) + half) * some_roundings;
-        const glm::vec3 reach = glm::abs(center - to.eye) + half;
+        const glm::vec3 reach = glm::abs(center - projection.eye) + half;
         const float error = (reach.x + reach.y + reach.z) * some_roundings;  // of a depth
-        const glm::vec3 p = to.project(center);
-        const glm::vec3 x = to.right * half, y = to.down * half, z = to.forward * half;
+        const glm::vec3 p = projection.project(center);
+        const glm::vec3 x = projection.right * half, y = projection.down * half, z = projection.forward * half;
         const float nearest = p.z - (std::abs(z.x) + std::abs(z.y) + std::abs(z.z)) - error;
-        if (!(nearest >= to.near_depth)) return;
+        if (!(nearest >= projection.near_depth)) return;
         float low_x = 0, high_x = 0, low_y = 0, high_y = 0;
-        if (to.is_perspective) {
+        if (projection.is_perspective) {
             float px[8], py[8];
             for (int corner = 0; corner < 8; ++corner) {
                 const float a = corner & 1 ? 1.0f : -1.0f, b = corner & 2 ? 1.0f : -1.0f, c = corner & 4 ? 1.0f : -1.0f;
@@ -55,29 +55,29 @@ struct BoxFootprint {
             low_y = p.y - half_y;
             high_y = p.y + half_y;
         }
-        // One sample for snapping and for its center, and what projecting may err.
-        const float relative = to.is_perspective ? error / nearest : error;
-        const float focal = to.focal * 256;
+        // One sample covers snapping and the distance to its center; the rest is the error of projection.
+        const float relative = projection.is_perspective ? error / nearest : error;
+        const float focal = projection.focal * 256;
         const float slack_x = 256 + relative * (focal + std::max(std::abs(low_x), std::abs(high_x)));
         const float slack_y = 256 + relative * (focal + std::max(std::abs(low_y), std::abs(high_y)));
-        // Written so that what is not a number stays outside.
+        // Written so that a NaN ends up outside.
         const auto sample = [](float v, int first, int end) {
             return int(std::floor(std::clamp(v * (1.0f / 256), float(first) - 1, float(end))));
         };
-        low_x += to.offset_x - slack_x;
-        high_x += to.offset_x + slack_x;
-        low_y += to.offset_y - slack_y;
-        high_y += to.offset_y + slack_y;
+        low_x += projection.offset_x - slack_x;
+        high_x += projection.offset_x + slack_x;
+        low_y += projection.offset_y - slack_y;
+        high_y += projection.offset_y + slack_y;
         if (!(low_x <= high_x && low_y <= high_y)) return;
-        x0 = std::max(sample(low_x, to.first_x, to.end_x), to.first_x);
-        y0 = std::max(sample(low_y, to.first_y, to.end_y), to.first_y);
-        x1 = std::min(sample(high_x, to.first_x, to.end_x), to.end_x - 1);
-        y1 = std::min(sample(high_y, to.first_y, to.end_y), to.end_y - 1);
-        const float q = to.q(nearest, to.inverse_w(nearest));
-        fronts = BoxFronts(center, half, to, {glm::vec2(low_x, low_y), glm::vec2(high_x, high_y)}, q,
-                           q - to.q(nearest + 2 * error, to.inverse_w(nearest + 2 * error)));
+        x0 = std::max(sample(low_x, projection.first_x, projection.end_x), projection.first_x);
+        y0 = std::max(sample(low_y, projection.first_y, projection.end_y), projection.first_y);
+        x1 = std::min(sample(high_x, projection.first_x, projection.end_x), projection.end_x - 1);
+        y1 = std::min(sample(high_y, projection.first_y, projection.end_y), projection.end_y - 1);
+        const float q = projection.q(nearest, projection.inverse_w(nearest));
+        fronts = BoxFronts(center, half, projection, {glm::vec2(low_x, low_y), glm::vec2(high_x, high_y)}, q,
+                           q - projection.q(nearest + 2 * error, projection.inverse_w(nearest + 2 * error)));
         is_bounded = true;
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,4 +1,4 @@
-// How near can what lies in a box be, sample by sample?
+// How near can the contents of a box be, sample by sample?
 #pragma once
 
 #include <algorithm>
@@ -12,59 +12,60 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// The sides of a box that face the eye, as planes of q. A ray enters the box where it meets the last of them: none of
-/// what lies inside has, at a sample, a larger q than any of them. So a room is hidden behind a corridor's wall though
+/// The sides of a box that face the eye, as planes of q. A ray enters the box where it meets the last of them, so at
+/// each sample nothing inside has a larger q than any of them. A room is thus hidden behind a corridor's wall though
 /// its nearest corner is nearer than most of the wall, which a bound by that corner alone cannot tell.
 ///
-/// They are raised by as much as rounding and snapping may raise what is drawn. (The depth of a sliver on the screen,
-/// whose corners lie all but on a line, is known only within that of its corners: where it comes before a front it is
-/// by that error, and may be left out with what is hidden.)
+/// The planes are raised by as much as rounding and snapping may raise what is drawn. (A sliver on the screen, whose
+/// corners lie almost on a line, has a depth known only to within that of its corners: if it lies before a front, that
+/// is due to this error, and it may be left out with what is hidden.)
 struct BoxFronts {
     std::array<DepthPlane, 3> planes;  ///< over samples, relative to the center sample
     int count = 0;                     ///< 1 or more once made
-    float nearest_q = 0;               ///< of no point of the box is q larger
+    float nearest_q = 0;               ///< no point of the box has a larger q
 
     BoxFronts() = default;
-    /// Of something that is only known to be nowhere nearer.
+    /// A bound for something that is only known to be nowhere nearer.
     explicit BoxFronts(float q) : count(1), nearest_q(q) { planes[0] = DepthPlane(q, 0, 0, q, q); }
 
-    /// All of the box must be before the near plane; on the screen, in 1/256 sample relative to the center sample, it
-    /// lies between `low` and `high`. nearest_q has been raised by rounding_q.
+    /// The whole box must lie beyond the near plane; on the screen it lies between low_and_high, in 1/256 sample
+    /// relative to the center sample. nearest_q has been raised by rounding_q.
     ///
     /// A point at depth d that is seen at (X, Y), samples from where the view's axis meets the screen, is eye + d
-    /// forward + w (X right + Y down) / focal, w being d in perspective and 1 in orthographic views. With its
-    /// coordinate on one axis given, q is linear in X and Y.
-    BoxFronts(glm::vec3 center, glm::vec3 half, const SampleProjection& to, std::array<glm::vec2, 2> low_and_high,
-              float nearest, float rounding_q)
+    /// forward + w (X right + Y down) / focal, where w is d in perspective and 1 in orthographic views. Once its
+    /// coordinate on one axis is given, q is linear in X and Y.
+    BoxFronts(glm::vec3 center, glm::vec3 half, const SampleProjection& projection,
+              std::array<glm::vec2, 2> low_and_high, float nearest, float rounding_q)
         : nearest_q(nearest) {
         // How far contents may be drawn from where they are, in samples: see CoverageRenderer::hidden.
         constexpr float snapping = 8.0f / 256;
-        const float to_x = to.offset_x * (1.0f / 256), to_y = to.offset_y * (1.0f / 256);
+        const float to_x = projection.offset_x * (1.0f / 256), to_y = projection.offset_y * (1.0f / 256);
         const auto reach = [&](int axis, float zero) {
             return std::max(std::abs(low_and_high[0][axis] * (1.0f / 256) - zero),
                             std::abs(low_and_high[1][axis] * (1.0f / 256) - zero));
         };
         const float reach_x = reach(0, to_x), reach_y = reach(1, to_y);
-        const float by_sample = 1 / (to.focal * to.focal * 256);  // to.right has a length of 256 focal
+        // projection.right has a length of 256 focal.
+        const float by_sample = 1 / (projection.focal * projection.focal * 256);
         for (int axis = 0; axis < 3; ++axis) {
-            const float a = to.right[axis] * by_sample, b = to.down[axis] * by_sample;
-            const float to_lower = center[axis] - half[axis] - to.eye[axis],
-                        to_upper = center[axis] + half[axis] - to.eye[axis];
+            const float a = projection.right[axis] * by_sample, b = projection.down[axis] * by_sample;
+            const float to_lower = center[axis] - half[axis] - projection.eye[axis],
+                        to_upper = center[axis] + half[axis] - projection.eye[axis];
             float plane, by_plane, q;
-            if (to.is_perspective) {
+            if (projection.is_perspective) {
                 plane = to_lower > 0 ? to_lower : to_upper < 0 ? to_upper : 0.0f;  // 0: no front
-                by_plane = to.q_of_inverse / plane;
-                q = by_plane * to.forward[axis];
+                by_plane = projection.q_of_inverse / plane;
+                q = by_plane * projection.forward[axis];
             } else {
-                plane = to.forward[axis] > 0 ? to_lower : to_upper;
-                by_plane = -to.q_of_depth / to.forward[axis];
+                plane = projection.forward[axis] > 0 ? to_lower : to_upper;
+                by_plane = -projection.q_of_depth / projection.forward[axis];
                 q = -by_plane * plane;
             }
             const float by_x = by_plane * a, by_y = by_plane * b;
             const float most = std::abs(q) + std::abs(by_x) * reach_x + std::abs(by_y) * reach_y;
-            const float sums = std::abs(center[axis]) + half[axis] + std::abs(to.eye[axis]);
+            const float sums = std::abs(center[axis]) + half[axis] + std::abs(projection.eye[axis]);
             const float rounding = most * (sums * 0x1p-22f / std::abs(plane) + 0x1p-18f) + rounding_q;
             const float at_first = q + rounding + (std::abs(by_x) + std::abs(by_y)) * snapping + by_x * (0.5f - to_x) +
                                    by_y * (0.5f - to_y);
@@ -75,7 +76,7 @@ struct BoxFronts {
         if (count == 0) *this = BoxFronts(nearest_q);
     }
 
-    /// No smaller than q of anything inside, at any of these samples, ends included.
+    /// An upper bound of q for anything inside, over a rectangle of samples, ends included.
     float nearest_in(int x0, int y0, int x1, int y1) const {
         float nearest = nearest_q;
         for (int i = 0; i < count; ++i) {
@@ -86,4 +87,4 @@ struct BoxFronts {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

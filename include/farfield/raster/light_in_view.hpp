@@ -1,4 +1,4 @@
-// A light of the outermost hierarchy, seen from inside of instances.
+// Gives a light of the outermost hierarchy in the axes of the instances inside it.
 #pragma once
 
 #include <glm/geometric.hpp>
@@ -8,13 +8,13 @@
 #include "farfield/geometry/light.hpp"
 #include "farfield/view/local_view.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 class LightInView {
   public:
     explicit LightInView(const std::optional<DirectionalLight>& light) : given_(light) {}
 
-    /// The outermost hierarchy's view.
+    /// Takes the outermost hierarchy's view.
     void begin_frame(const LocalView& view) {
         if (!given_) return;
         const glm::vec3 l = given_->towards;
@@ -25,7 +25,7 @@ class LightInView {
         light_ = *given_;
         light_.towards = view.right * in_view_.x + view.up * in_view_.y + view.forward * in_view_.z;
     }
-    /// In the axes of the view set last; null: there is none.
+    /// The light in the axes of the view set last, or null if there is none.
     const DirectionalLight* light() const { return given_ ? &light_ : nullptr; }
 
   private:
@@ -34,4 +34,4 @@ class LightInView {
     glm::vec3 in_view_{0};
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

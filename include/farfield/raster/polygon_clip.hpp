@@ -1,4 +1,4 @@
-// Convex polygons across the near plane or far off the screen.
+// Clips convex polygons that cross the near plane or lie far off the screen.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,11 @@
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/snapping.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Sutherland and Hodgman 1974, in coordinates before division, so that nothing behind the eye is ever divided. A cut
-/// point is computed from the inner to the outer end whichever way the edge runs: polygons that share an edge get the
-/// same point and stay watertight.
+/// Clips as Sutherland and Hodgman 1974 do, in coordinates before division, so that nothing behind the eye is ever
+/// divided. A cut point is computed from the inner to the outer end whichever way the edge runs: polygons that share an
+/// edge get the same point and stay watertight.
 class ClippedPolygon {
   public:
     /// Cut points are computed in double: a ground of kilometers under an eye a hand above it is tilted by more than
@@ -24,27 +24,29 @@ class ClippedPolygon {
     /// neighbors.
     struct Vertex {
         glm::dvec3 p;       ///< as SampleProjection::project gives it
-        glm::vec3 rounded;  ///< likewise, of a corner that was not cut
+        glm::vec3 rounded;  ///< the same in float, for corners that were not cut
         glm::vec4 color;    ///< whatever varies linearly over the polygon
         bool is_cut;
     };
-    /// Triangles and far-field faces; each of the five planes adds a corner at most.
+    /// Enough for triangles and far-field faces; each of the five planes adds at most one corner.
     static constexpr std::size_t largest_input = 8;
 
-    /// Local coordinates.
-    void add(glm::vec3 corner, const SampleProjection& to, glm::vec4 color = glm::vec4(0)) {
+    /// Takes local coordinates.
+    void add(glm::vec3 corner, const SampleProjection& projection, glm::vec4 color = glm::vec4(0)) {
         if (count_ == largest_input) return;
-        const glm::dvec3 d = glm::dvec3(corner) - glm::dvec3(to.eye);
-        const glm::dvec3 p(glm::dot(glm::dvec3(to.right), d), glm::dot(glm::dvec3(to.down), d),
-                           glm::dot(glm::dvec3(to.forward), d));
-        vertices_[count_++] = {p, to.project(corner), color, false};
+        const glm::dvec3 d = glm::dvec3(corner) - glm::dvec3(projection.eye);
+        const glm::dvec3 p(glm::dot(glm::dvec3(projection.right), d), glm::dot(glm::dvec3(projection.down), d),
+                           glm::dot(glm::dvec3(projection.forward), d));
+        vertices_[count_++] = {p, projection.project(corner), color, false};
     }
 
-    /// Afterwards all that is left lies in front of the near plane and inside the guard band.
-    void clip(const SampleProjection& to) {
-        if (std::isfinite(to.near_depth)) cut([&](const glm::dvec3& p) { return p.z - double(to.near_depth); });
+    /// Leaves the part beyond the near plane and inside the guard band.
+    void clip(const SampleProjection& projection) {
+        if (std::isfinite(projection.near_depth))
+            cut([&](const glm::dvec3& p) { return p.z - double(projection.near_depth); });
         const auto w = [&](const glm::dvec3& p) {
-            return double(SampleProjection::guard_band * 256) * (p.z * double(to.depth_weight) + double(to.depth_bias));
+            return double(SampleProjection::guard_band * 256) *
+                   (p.z * double(projection.depth_weight) + double(projection.depth_bias));
         };
         cut([&](const glm::dvec3& p) { return w(p) - p.x; });
         cut([&](const glm::dvec3& p) { return w(p) + p.x; });
@@ -55,19 +57,19 @@ class ClippedPolygon {
     std::size_t size() const { return count_; }
     const Vertex& operator[](std::size_t i) const { return vertices_[i]; }
 
-    /// Corner `corner` of a triangle, as triage() and snapping would have it.
-    void snap(std::size_t vertex, const SampleProjection& to, SnappedTriangle& t, unsigned corner) const {
+    /// Sets corner `corner` of a triangle to the position that triage() and snapping would give it.
+    void snap(std::size_t vertex, const SampleProjection& projection, SnappedTriangle& t, unsigned corner) const {
         const Vertex& v = vertices_[vertex];
         if (v.is_cut) {
-            const double inverse = 1.0 / (v.p.z * double(to.depth_weight) + double(to.depth_bias));
-            t.x[corner] = snapped_to_256th(float(v.p.x * inverse + double(to.offset_x)));
-            t.y[corner] = snapped_to_256th(float(v.p.y * inverse + double(to.offset_y)));
-            t.q[corner] = float(inverse * double(to.q_of_inverse) + v.p.z * double(to.q_of_depth));
+            const double inverse = 1.0 / (v.p.z * double(projection.depth_weight) + double(projection.depth_bias));
+            t.x[corner] = snapped_to_256th(float(v.p.x * inverse + double(projection.offset_x)));
+            t.y[corner] = snapped_to_256th(float(v.p.y * inverse + double(projection.offset_y)));
+            t.q[corner] = float(inverse * double(projection.q_of_inverse) + v.p.z * double(projection.q_of_depth));
         } else {
-            const float inverse = to.inverse_w(v.rounded.z);
-            t.x[corner] = snapped_to_256th(v.rounded.x * inverse + to.offset_x);
-            t.y[corner] = snapped_to_256th(v.rounded.y * inverse + to.offset_y);
-            t.q[corner] = to.q(v.rounded.z, inverse);
+            const float inverse = projection.inverse_w(v.rounded.z);
+            t.x[corner] = snapped_to_256th(v.rounded.x * inverse + projection.offset_x);
+            t.y[corner] = snapped_to_256th(v.rounded.y * inverse + projection.offset_y);
+            t.q[corner] = projection.q(v.rounded.z, inverse);
         }
     }
 
@@ -97,4 +99,4 @@ class ClippedPolygon {
     std::size_t count_ = 0;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,4 +1,4 @@
-// What a user chooses of a renderer with a z-buffer.
+// The options of renderers with a z-buffer.
 #pragma once
 
 #include <optional>
@@ -15,8 +15,8 @@ struct ZBufferOptions {
     std::optional<DirectionalLight> light{};  ///< in the outermost hierarchy's axes; none: colors as they are
     bool culls_back_faces = false;            ///< for closed surfaces that are counter-clockwise seen from outside
     Simd simd = Simd::automatic;              ///< all give the same picture
-    /// Triangles smaller than two samples cover their part of those, by their cell's area law, instead of all or
-    /// nothing. Only those of ranges with a law: an exact picture is point sampled whatever is said here.
+    /// Triangles smaller than two samples cover a part of each sample, by their cell's area law, instead of all or
+    /// nothing. This holds for ranges with a law only; an exact picture is always point sampled.
     bool deposits_small_triangles = true;
 };
 

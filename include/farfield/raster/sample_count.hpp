@@ -7,9 +7,10 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/view/local_view.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Of a pixel. Throws std::invalid_argument, naming the renderer, for a number that is not a square of 1 to 8.
+/// The side of a pixel's square of samples. Throws std::invalid_argument, naming the renderer, for a number that is not
+/// a square of 1 to 8.
 inline int checked_samples_a_side(int samples, const char* renderer) {
     int side = 1;
     while (side < 8 && side * side < samples) ++side;
@@ -30,4 +31,4 @@ inline void check_image_size(const LocalView& view, int samples_a_side, const ch
     }
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

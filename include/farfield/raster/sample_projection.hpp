@@ -1,4 +1,4 @@
-// From a hierarchy's coordinates to the grid of samples.
+// Projects a hierarchy's coordinates onto the grid of samples.
 #pragma once
 
 #include <glm/geometric.hpp>
@@ -6,16 +6,16 @@
 
 #include "farfield/view/local_view.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Sample (i, j), rows downwards, has its center at (i + 1/2, j + 1/2). Coordinates are relative to the sample nearest
 /// to the image's center, so that snapping reaches equally far on both sides, and in 1/256 sample, to which it rounds.
 ///
-/// Depth is kept as q, linear over the screen and larger when nearer: 1 / depth in perspective, -depth orthographic, of
-/// world depth, so that instances of any scale compare.
+/// Depth is kept as q, which is linear over the screen and larger when nearer: 1 / depth in perspective views and
+/// -depth in orthographic ones. It is the depth in the world, so that instances of any scale compare.
 struct SampleProjection {
-    /// Farther out than this many samples from the center, polygons are clipped: snapped to 1/256 sample, coordinates
-    /// fit 22 bits and a sign, where adding a constant rounds single precision to integers.
+    /// Polygons are clipped farther than this many samples from the center. Coordinates in 1/256 sample then fit 22
+    /// bits and a sign, where adding a constant rounds single precision to integers.
     static constexpr float guard_band = 16000.0f;
 
     glm::vec3 eye{0};
@@ -23,9 +23,9 @@ struct SampleProjection {
     glm::vec3 down{0, -1, 0};
     glm::vec3 forward{0, 0, -1};
     float offset_x = 0, offset_y = 0;
-    /// 1 / (depth * depth_weight + depth_bias) is what x and y are multiplied by.
+    /// x and y are multiplied by 1 / (depth * depth_weight + depth_bias).
     float depth_weight = 1, depth_bias = 0;
-    /// q = that * q_of_inverse + depth * q_of_depth.
+    /// q is that factor * q_of_inverse + depth * q_of_depth.
     float q_of_inverse = 1, q_of_depth = 0;
     float near_depth = 0;
     float focal = 1;  ///< in samples
@@ -54,7 +54,7 @@ struct SampleProjection {
         near_depth = view.near_depth;
     }
 
-    /// Before division: (x, y) 1/256 samples times w, and depth.
+    /// The coordinates before division: (x, y) in 1/256 samples times w, and depth.
     glm::vec3 project(glm::vec3 p) const {
         const glm::vec3 d = p - eye;
         return {glm::dot(right, d), glm::dot(down, d), glm::dot(forward, d)};
@@ -63,4 +63,4 @@ struct SampleProjection {
     float q(float depth, float inverse) const { return inverse * q_of_inverse + depth * q_of_depth; }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Half open; empty where first >= end.
 struct SampleRect {
@@ -23,4 +23,4 @@ struct SampleRect {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -8,28 +8,28 @@
 
 #include "farfield/raster/sample_projection.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// A triangle snapped to 1/256 sample, |coordinates| < 2^22. q at the corners.
+/// A triangle snapped to 1/256 sample, |coordinates| < 2^22, with q at its corners.
 struct SnappedTriangle {
     std::int32_t x[3];
     std::int32_t y[3];
     float q[3];
 
-    /// Clockwise, if it was not: two corners change places.
+    /// Reverses the orientation: two corners change places.
     void flip() {
         std::swap(x[1], x[2]);
         std::swap(y[1], y[2]);
         std::swap(q[1], q[2]);
     }
 
-    /// Twice the area in 1/65536 squared samples; positive: clockwise on the screen (rows run downwards).
+    /// Twice the area in 1/65536 squared samples, positive if clockwise on the screen (rows run downwards).
     std::int64_t doubled_area() const {
         return std::int64_t(x[1] - x[0]) * (y[2] - y[0]) - std::int64_t(x[2] - x[0]) * (y[1] - y[0]);
     }
 };
 
-/// q over the screen: a plane, kept inside what the corners span, for a sliver's plane is steep.
+/// q over the screen: a plane, clamped to the range of the corners because a sliver's plane is steep.
 struct DepthPlane {
     float at_corner = 0, by_x = 0, by_y = 0, lowest = 0, highest = 0;
     float base_x = 0, base_y = 0;  ///< from the first corner to sample (0, 0)
@@ -46,22 +46,20 @@ struct DepthPlane {
         lowest = std::min(t.q[0], std::min(t.q[1], t.q[2]));
         highest = std::max(t.q[0], std::max(t.q[1], t.q[2]));
     }
-    /// Of no triangle: q at sample (0, 0) and how it changes from sample to sample.
+    /// A plane without a triangle: q at sample (0, 0) and its change from sample to sample.
     DepthPlane(float at_first, float by_sample_x, float by_sample_y, float lowest_q, float highest_q)
         : at_corner(at_first), by_x(by_sample_x), by_y(by_sample_y), lowest(lowest_q), highest(highest_q) {}
 
-    /// Distances to the first corner are small where the triangle is: no cancellation against the screen's origin.
+    /// Distances are taken to the first corner, which is near, so nothing cancels against the screen's origin.
     float row(int y) const { return at_corner + by_y * (float(y) + base_y); }
-    /// at(row, x) is row + column(x), kept inside.
+    /// at(row, x) is row + column(x), clamped.
     float column(int x) const { return by_x * (float(x) + base_x); }
     float inside(float q) const { return q < lowest ? lowest : q > highest ? highest : q; }
     float at(float row, int x) const { return inside(row + column(x)); }
 };
 
-namespace detail {
-
-/// E(i, j) = value + by_x i + by_y j is 0 or more inside, at samples relative to the box's first one. Of the samples on
-/// an edge those belong to the triangle that has it at its top or left.
+/// E(i, j) = value + by_x i + by_y j is 0 or more inside, at samples relative to the box's first one. Samples on an
+/// edge belong to the triangle that has it at its top or left.
 template <class Int>
 struct Edge {
     Int value, by_x, by_y;
@@ -73,7 +71,7 @@ struct Edge {
         by_x = -dy * 256;
         by_y = dx * 256;
     }
-    /// The samples of a row where the edge is not negative, as bounds on i.
+    /// Narrows [first, last] to the samples i of a row where the edge is not negative.
     void narrow(Int row_value, std::int64_t& first, std::int64_t& last) const {
         if (by_x == 0) {
             if (row_value < 0) last = -1;
@@ -99,7 +97,7 @@ void scan_box(const SnappedTriangle& t, int x0, int y0, int x1, int y1, Row&& ro
     const int width = x1 - x0 + 1;
     for (int y = y0; y <= y1; ++y, v0 += e0.by_y, v1 += e1.by_y, v2 += e2.by_y) {
         if (width <= 8) {
-            // Walking beats dividing in short rows.
+            // In short rows walking is faster than dividing.
             Int a = v0, b = v1, c = v2;
             int first = 0;
             while (first < width && (a | b | c) < 0) a += e0.by_x, b += e1.by_x, c += e2.by_x, ++first;
@@ -116,8 +114,6 @@ void scan_box(const SnappedTriangle& t, int x0, int y0, int x1, int y1, Row&& ro
     }
 }
 
-}  // namespace detail
-
 /// Calls row(y, begin, end) for each row of covered samples, inside the projection's image. The triangle must be
 /// clockwise on the screen, doubled_area() > 0.
 template <class Row>
@@ -131,10 +127,10 @@ void scan_convert(const SnappedTriangle& t, const SampleProjection& image, Row&&
     if (x0 > x1 || y0 > y1) return;
     // Edges up to 2^14 long in both directions have values below 2^31 anywhere in their box.
     if (high_x - low_x < 1 << 14 && high_y - low_y < 1 << 14) {
-        detail::scan_box<std::int32_t>(t, x0, y0, x1, y1, row);
+        scan_box<std::int32_t>(t, x0, y0, x1, y1, row);
     } else {
-        detail::scan_box<std::int64_t>(t, x0, y0, x1, y1, row);
+        scan_box<std::int64_t>(t, x0, y0, x1, y1, row);
     }
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

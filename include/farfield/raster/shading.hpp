@@ -1,4 +1,4 @@
-// What color a covered sample gets, and whether a translucent triangle covers it.
+// The color that a covered sample gets, and whether a translucent triangle covers it.
 #pragma once
 
 #include <bit>
@@ -9,7 +9,7 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// A number that goes with a triangle wherever it lies in memory and whichever corner comes first.
 inline std::uint32_t hash_of_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
@@ -21,8 +21,8 @@ inline std::uint32_t hash_of_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
     return hash(a) + hash(b) + hash(c);
 }
 
-/// Alpha as coverage: which samples a triangle covers is decided by a hash of both, the same in every frame (after
-/// Wyman and McGuire 2017, "Hashed alpha testing"). On average alpha / 256 of them are.
+/// Turns alpha into coverage: a hash of triangle and sample decides, the same in every frame (after Wyman and McGuire
+/// 2017, "Hashed alpha testing"). On average alpha / 256 of the samples are covered.
 inline bool covered_by_hash(int x, int y, std::uint32_t triangle_hash, std::uint8_t alpha) {
     std::uint32_t h = std::uint32_t(x) * 0x9e3779b1u ^ std::uint32_t(y) * 0x85ebca77u ^ triangle_hash;
     h = (h ^ h >> 15) * 0x2c1b3c6du;
@@ -30,7 +30,7 @@ inline bool covered_by_hash(int x, int y, std::uint32_t triangle_hash, std::uint
     return (h >> 24) < alpha;
 }
 
-/// Colors at the corners, perspectively right between them.
+/// Colors given at the corners, interpolated with perspective.
 struct ColorPlane {
     const SnappedTriangle& t;
     float weights[3];  ///< q at the corners, or 1
@@ -52,4 +52,4 @@ struct ColorPlane {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,18 +1,16 @@
 // A renderer that never touches a hidden sample twice: hierarchical polygon tiling with coverage masks (Greene 1996).
-// 64 samples a pixel cost about what one costs others, and it tells any hierarchy which cells are hidden.
+// 64 samples a pixel cost about as much as one does elsewhere, and it tells any hierarchy which cells are hidden.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "farfield/coverage/polygons/far_polygons.hpp"
 #include "farfield/coverage/polygons/polygon_setup.hpp"
@@ -26,6 +24,7 @@
 #include "farfield/raster/light_in_view.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/simd.hpp"
+#include "farfield/raster/source_slots.hpp"
 #include "farfield/renderer.hpp"
 
 namespace farfield {
@@ -38,12 +37,11 @@ struct CoverageOptions {
     FarCoverage far_coverage = FarCoverage::samples;
 };
 
-/// Draws what a Viewer hands over; the picture is image() after the frame. Colors that differ over a primitive are
-/// taken once a pixel. Primitives with alpha below 255 cover that part of the samples, chosen as ZBufferRenderer does.
+/// Draws for a Viewer; the picture is image() after the frame. Colors that differ over a primitive are evaluated once a
+/// pixel. Primitives with alpha below 255 cover that part of the samples, chosen as ZBufferRenderer does.
 ///
-/// `strict` wants primitives front to back, and hierarchies that promise it: nothing is compared, nothing is written
-/// twice. `lazy` takes any order and gives the samples of a z-buffer; what comes nearly front to back costs little
-/// more.
+/// `strict` needs primitives front to back, from hierarchies that promise it: nothing is compared or written twice.
+/// `lazy` takes any order and gives the samples of a z-buffer; nearly front to back it costs little more.
 template <class Traits>
 class BasicCoverageRenderer {
     static constexpr bool is_lazy = Traits::order == CoverageOrder::lazy;
@@ -64,43 +62,39 @@ class BasicCoverageRenderer {
         : options_(options), light_(options.light), tiler_(options.simd) {}
 
     const Image& image() const { return image_; }
-    /// Of the last frame.
+    /// The work of the last frame.
     const typename Traits::work& work() const { return target_.work; }
-    /// Of the coverage pyramid: 1 2/63 bits a sample where the image's sides are powers of 8.
+    /// The size of the coverage pyramid: 1 2/63 bits a sample where the image's sides are powers of 8.
     std::size_t pyramid_bytes() const { return target_.pyramid.bytes(); }
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {
-        for (std::size_t i = 0; i < streams_.size(); ++i) {
-            if (!streams_[i]) return streams_[i] = std::make_unique<PolygonStream>(source), std::uint32_t(i);
-        }
-        streams_.push_back(std::make_unique<PolygonStream>(source));
-        return std::uint32_t(streams_.size() - 1);
+        return streams_.upload(source);
     }
-    void release(std::uint32_t id) { streams_[id].reset(); }
+    void release(std::uint32_t id) { streams_.release(id); }
 
-    /// Throws std::invalid_argument for images of no or too many samples: 31,000 on a side.
+    /// Throws std::invalid_argument for images of no samples or more than 31,000 on a side.
     void begin_frame(const LocalView& view) {
         constexpr int limit = 31000 / samples_a_side;
         if (view.width < 1 || view.height < 1 || view.width > limit || view.height > limit) {
             throw std::invalid_argument("farfield::CoverageRenderer: an image must have 1 to " + std::to_string(limit) +
                                         " pixels on a side");
         }
-        to_ = SampleProjection(view, samples_a_side);
-        target_.begin(view.width, view.height, to_.first_x, to_.first_y);
+        projection_ = detail::SampleProjection(view, samples_a_side);
+        target_.begin(view.width, view.height, projection_.first_x, projection_.first_y);
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
-        to_ = SampleProjection(view, samples_a_side);
+        projection_ = detail::SampleProjection(view, samples_a_side);
         light_.set_view(view);
     }
     /// "We composite a screen-sized polygon of the desired background color, thereby tiling all remaining vacant
     /// pixels" (section 4.5).
     void end_frame() {
         polygon_.surface = {};
-        polygon_.set_rectangle(256 * to_.first_x, 256 * to_.first_y, 256 * to_.end_x, 256 * to_.end_y,
-                               -std::numeric_limits<float>::infinity());
-        polygon_.surface.is_background = true;
+        polygon_.set_rectangle(256 * projection_.first_x, 256 * projection_.first_y, 256 * projection_.end_x,
+                               256 * projection_.end_y, -std::numeric_limits<float>::infinity());
+        polygon_.surface.kind = SurfaceKind::background;
         polygon_.surface.colors.fill(options_.background);
         auto work = std::move(target_.work);
         target_.work.begin(target_.pyramid);
@@ -111,7 +105,7 @@ class BasicCoverageRenderer {
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        const PolygonStream& stream = *streams_[source.id];
+        const detail::PolygonStream& stream = streams_[source.id];
         auto setup = setup_of(stream);
         for (std::size_t i = 0; i < ranges.size(); ++i) {
             if (i + 8 < ranges.size()) stream.prefetch(ranges[i + 8].first, true);
@@ -136,56 +130,56 @@ class BasicCoverageRenderer {
         auto polygons = far_polygons();
         for (const Splat& splat : splats) polygons.add(splat);
     }
-    /// A pixel or two: an upright rectangle is all the shape that shows.
+    /// In a pixel or two no more shape shows than an upright rectangle's.
     float largest_splat_px() const { return 2.0f; }
 
-    /// Asked front to back: hidden behind what was drawn before. A box that reaches behind the near plane never is.
+    /// Whether a cell is hidden by what was drawn before; ask front to back. No box that crosses the near plane is.
     bool hidden(const Cell& cell, CellId) {
-        if (!silhouette_.project(cell.bounds_center, cell.bounds_half, to_)) return false;
-        // Contents are projected and snapped by themselves, and may lie that much outside.
+        if (!silhouette_.project(cell.bounds_center, cell.bounds_half, projection_)) return false;
+        // Contents are projected and snapped on their own, and may lie this much outside.
         constexpr int rounding = 8;
         return !tiler_.is_seen(target_, silhouette_, rounding);
     }
 
   private:
-    using Target = CoverageTarget<Traits>;
+    using Target = detail::CoverageTarget<Traits>;
 
-    /// What becomes of polygons.
+    /// Passes polygons to the tiler.
     struct Tile {
         static constexpr bool needs_depth = is_lazy;
         static constexpr int reach_of_samples = Target::reach_of_samples;
-        const CoverageTiler<Target>& tiler;
+        const detail::CoverageTiler<Target>& tiler;
         Target& target;
 
-        void operator()(TilePolygon& polygon) const { tiler.tile(target, polygon); }
+        void operator()(detail::TilePolygon& polygon) const { tiler.tile(target, polygon); }
     };
 
-    PolygonSetup<Tile> setup_of(const PolygonStream& stream) {
-        return {stream, to_, light_.light(), options_.culls_back_faces, polygon_, Tile{tiler_, target_}};
+    detail::PolygonSetup<Tile> setup_of(const detail::PolygonStream& stream) {
+        return {stream, projection_, light_.light(), options_.culls_back_faces, polygon_, Tile{tiler_, target_}};
     }
-    FarPolygons<Tile> far_polygons() {
+    detail::FarPolygons<Tile> far_polygons() {
         const auto coverage = Target::samples_type::takes_deposits ? options_.far_coverage : FarCoverage::samples;
-        return {to_, coverage, polygon_, Tile{tiler_, target_}};
+        return {projection_, coverage, polygon_, Tile{tiler_, target_}};
     }
 
     CoverageOptions options_;
-    LightInView light_;
-    CoverageTiler<Target> tiler_;
+    detail::LightInView light_;
+    detail::CoverageTiler<Target> tiler_;
     Target target_;
-    SampleProjection to_;
-    TilePolygon polygon_;  ///< the one at work
-    Silhouette silhouette_;
-    std::vector<std::unique_ptr<PolygonStream>> streams_;
-    PolygonStream scratch_;  ///< polygons made for this frame
+    detail::SampleProjection projection_;
+    detail::TilePolygon polygon_;  ///< the one at work
+    detail::Silhouette silhouette_;
+    detail::SourceSlots<detail::PolygonStream> streams_;
+    detail::PolygonStream scratch_;  ///< polygons made for this frame
     Image image_;
 };
 
-/// Any hierarchy, any order.
+/// Takes any hierarchy, in any order.
 using CoverageRenderer = BasicCoverageRenderer<LazyCoverage>;
-/// Hierarchies that keep strict order: SpatialHierarchy<PolygonBsp, Exact, ...> and the like.
+/// Takes hierarchies that keep strict order: SpatialHierarchy<PolygonBsp, Exact, ...> and the like.
 using StrictCoverageRenderer = BasicCoverageRenderer<StrictCoverage>;
 
-/// Strict where the hierarchy promises strict order, lazy elsewhere.
+/// This is strict for hierarchies that promise strict order and lazy for others.
 template <class H>
 using CoverageRendererFor =
     std::conditional_t<H::ordering == OrderGuarantee::primitives, StrictCoverageRenderer, CoverageRenderer>;

@@ -1,6 +1,6 @@
 // Hierarchical z-buffering: N. Greene, M. Kass, G. Miller, "Hierarchical Z-buffer Visibility", SIGGRAPH 1993. A
-// z-buffer under a z-pyramid, which is asked about cells before anything in them is touched and about polygons before
-// they are scan converted.
+// z-pyramid over the z-buffer tests cells before anything in them is touched and polygons before they are scan
+// converted.
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,13 @@
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/renderer.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// As DepthTestedFill, but not for what the pyramid hides.
+/// Fills like DepthTestedFill, but rejects triangles that the pyramid hides.
 class PyramidTestedFill {
   public:
-    PyramidTestedFill(const SampleProjection& to, DepthPyramid& pyramid, const DepthTestedFill& fill)
-        : to_(to), pyramid_(pyramid), fill_(fill) {}
+    PyramidTestedFill(const SampleProjection& projection, DepthPyramid& pyramid, const DepthTestedFill& fill)
+        : projection_(projection), pyramid_(pyramid), fill_(fill) {}
 
     SampleBuffers& buffers() const { return fill_.buffers(); }
 
@@ -38,21 +38,28 @@ class PyramidTestedFill {
     }
 
   private:
-    /// Of a box in 1/256 samples, and what lies in it no nearer than q; also if it holds no sample.
+    /// Whether a box in 1/256 samples holds no sample, or its contents, at q or farther, are hidden.
     bool is_hidden(std::int32_t left, std::int32_t top, std::int32_t right, std::int32_t bottom, float q) const {
-        const int x0 = std::max((left + 127) >> 8, to_.first_x), x1 = std::min((right - 128) >> 8, to_.end_x - 1);
-        const int y0 = std::max((top + 127) >> 8, to_.first_y), y1 = std::min((bottom - 128) >> 8, to_.end_y - 1);
+        const int x0 = std::max((left + 127) >> 8, projection_.first_x),
+                  x1 = std::min((right - 128) >> 8, projection_.end_x - 1);
+        const int y0 = std::max((top + 127) >> 8, projection_.first_y),
+                  y1 = std::min((bottom - 128) >> 8, projection_.end_y - 1);
         return x0 > x1 || y0 > y1 ||
-               pyramid_.all_nearer(x0 - to_.first_x, y0 - to_.first_y, x1 - to_.first_x, y1 - to_.first_y, q);
+               pyramid_.all_nearer(x0 - projection_.first_x, y0 - projection_.first_y, x1 - projection_.first_x,
+                                   y1 - projection_.first_y, q);
     }
 
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     DepthPyramid& pyramid_;
     const DepthTestedFill& fill_;
 };
 
-/// Draws what ZBufferRenderer draws: the picture of the same ranges is the same, bit for bit, in whatever order they
-/// come. Front to back, which it asks for but does not need, less of them comes at all.
+}  // namespace farfield::detail
+
+namespace farfield {
+
+/// Draws what ZBufferRenderer draws: the same ranges give the same picture, bit for bit, in any order. It asks for
+/// front to back, without needing it, because fewer ranges then come at all.
 class HierarchicalZRenderer {
   public:
     static constexpr RendererFacts facts{.order = VisitOrder::front_to_back,
@@ -74,48 +81,50 @@ class HierarchicalZRenderer {
     }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
 
-    /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
+    /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {
         canvas_.begin_frame(view);
-        const SampleProjection& to = canvas_.projection();
-        pyramid_.begin(canvas_.buffers().depth(), to.end_x - to.first_x, to.end_y - to.first_y);
+        const detail::SampleProjection& projection = canvas_.projection();
+        pyramid_.begin(canvas_.buffers().depth(), projection.end_x - projection.first_x,
+                       projection.end_y - projection.first_y);
     }
     void set_view(const LocalView& view) { canvas_.set_view(view); }
     void end_frame() { canvas_.end_frame(); }
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        const DepthTestedFill fill(canvas_.projection(), canvas_.buffers(), rows_);
-        canvas_.draw(source, ranges, PyramidTestedFill(canvas_.projection(), pyramid_, fill));
+        const detail::DepthTestedFill fill(canvas_.projection(), canvas_.buffers(), rows_);
+        canvas_.draw(source, ranges, detail::PyramidTestedFill(canvas_.projection(), pyramid_, fill));
     }
     void draw(std::span<const Face> faces) { canvas_.draw(faces); }
     void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
 
     bool deposits_primitives() const { return canvas_.options().deposits_small_triangles; }
-    /// Two samples: a deposit then touches at most three by three.
+    /// This is two samples: a deposit then touches at most three by three.
     float largest_splat_px() const { return 2.0f / float(canvas_.samples_a_side()); }
 
-    /// Whether geometry drawn before is nearer than the cell's bounds in every sample that these touch: then nothing in
-    /// the cell changes an exact picture. Of cells that reach to the near plane that is never said. In a far field
-    /// closed samples hide too, as ZBufferRenderer::hidden has it.
+    /// Whether geometry drawn before is nearer than the cell's bounds in every sample that these touch: nothing in the
+    /// cell then changes an exact picture. It is false for cells that reach to the near plane. In a far field closed
+    /// samples hide too, as in ZBufferRenderer::hidden.
     bool hidden(const Cell& cell, CellId) {
-        const SampleProjection& to = canvas_.projection();
-        const BoxFootprint at(cell.bounds_center, cell.bounds_half, to);
+        const detail::SampleProjection& projection = canvas_.projection();
+        const detail::BoxFootprint at(cell.bounds_center, cell.bounds_half, projection);
         if (!at.is_bounded) return false;
         if (at.is_empty()) return true;
-        SampleBuffers& buffers = canvas_.buffers();
+        detail::SampleBuffers& buffers = canvas_.buffers();
         const auto nearest = [&](int x0, int y0, int x1, int y1) {
-            return at.fronts.nearest_in(x0 + to.first_x, y0 + to.first_y, x1 + to.first_x, y1 + to.first_y);
+            return at.fronts.nearest_in(x0 + projection.first_x, y0 + projection.first_y, x1 + projection.first_x,
+                                        y1 + projection.first_y);
         };
-        return pyramid_.all_nearer(at.x0 - to.first_x, at.y0 - to.first_y, at.x1 - to.first_x, at.y1 - to.first_y,
-                                   nearest) ||
+        return pyramid_.all_nearer(at.x0 - projection.first_x, at.y0 - projection.first_y, at.x1 - projection.first_x,
+                                   at.y1 - projection.first_y, nearest) ||
                (buffers.has_far() && buffers.all_settled(at.x0, at.y0, at.x1, at.y1, at.fronts.nearest_q));
     }
 
   private:
-    ZBufferCanvas canvas_;
-    SampleRows rows_;
-    DepthPyramid pyramid_;
+    detail::ZBufferCanvas canvas_;
+    detail::SampleRows rows_;
+    detail::DepthPyramid pyramid_;
 };
 
 }  // namespace farfield

@@ -17,10 +17,11 @@
 #include "farfield/raster/samples/color_samples.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/simd.hpp"
+#include "farfield/raster/source_slots.hpp"
 #include "farfield/raster/triangles/sample_rows.hpp"
 #include "farfield/raster/triangles/triangle_painter.hpp"
 #include "farfield/raster/triangles/triangle_runs.hpp"
-#include "farfield/raster/triangles/triangle_streams.hpp"
+#include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
 #include "farfield/renderer.hpp"
 
@@ -34,19 +35,21 @@ struct PainterOptions {
     Simd simd = Simd::automatic;              ///< all give the same picture
 };
 
-/// Whatever comes later lies in front.
+namespace detail {
+
+/// Overwrites: anything that comes later lies in front.
 class OverwritingFill {
   public:
-    OverwritingFill(const SampleProjection& to, ColorSamples& samples, const SampleRows& rows)
-        : to_(to), samples_(samples), rows_(rows) {}
+    OverwritingFill(const SampleProjection& projection, ColorSamples& samples, const SampleRows& rows)
+        : projection_(projection), samples_(samples), rows_(rows) {}
 
     static constexpr bool rejects(const SnappedTriangle&) { return false; }
 
-    /// As DepthTestedFill.
+    /// See DepthTestedFill.
     template <class Prepare, class Shade>
     void operator()(const SnappedTriangle& t, std::int64_t, Prepare&& prepare, const Shade& shade) const {
         bool prepared = false;
-        scan_convert(t, to_, [&](int y, int begin, int end) {
+        scan_convert(t, projection_, [&](int y, int begin, int end) {
             if (!prepared) {
                 prepared = true;
                 prepare();
@@ -71,13 +74,15 @@ class OverwritingFill {
     }
 
   private:
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     ColorSamples& samples_;
     const SampleRows& rows_;
 };
 
-/// Back to front it draws the picture that ZBufferRenderer draws, if no two primitives meet in a sample at the same
-/// depth and each lies behind all that come after it wherever they overlap. It keeps no depth, and nothing hides.
+}  // namespace detail
+
+/// Draws the picture of ZBufferRenderer if no two primitives meet in a sample at the same depth and each lies behind
+/// all later ones wherever they overlap. It keeps no depth, and nothing is hidden.
 class PainterRenderer {
   public:
     static constexpr RendererFacts facts{
@@ -86,8 +91,8 @@ class PainterRenderer {
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
     explicit PainterRenderer(const PainterOptions& options = {})
         : options_(options),
-          side_(checked_samples_a_side(options.samples, "PainterRenderer")),
-          triage_(triage_function<false>(options.simd)),
+          side_(detail::checked_samples_a_side(options.samples, "PainterRenderer")),
+          triage_(detail::triage_function<false>(options.simd)),
           rows_(options.simd),
           light_(options.light) {}
 
@@ -99,40 +104,41 @@ class PainterRenderer {
     }
     void release(std::uint32_t id) { streams_.release(id); }
 
-    /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
+    /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {
-        check_image_size(view, side_, "PainterRenderer");
-        to_ = SampleProjection(view, side_);
-        samples_.begin(to_, side_, options_.background);
+        detail::check_image_size(view, side_, "PainterRenderer");
+        projection_ = detail::SampleProjection(view, side_);
+        samples_.begin(projection_, side_, options_.background);
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
-        to_ = SampleProjection(view, side_);
+        projection_ = detail::SampleProjection(view, side_);
         light_.set_view(view);
     }
     void end_frame() { samples_.resolve(image_); }
 
-    /// In the order in which ranges come, and positions in them.
+    /// Draws in the order of the ranges and of the positions in them.
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        const TriangleStream& stream = streams_[source.id];
-        const OverwritingFill fill(to_, samples_, rows_);
-        TrianglePainter<OverwritingFill> painter(stream, to_, light_.light(), options_.culls_back_faces, fill);
+        const detail::TriangleStream& stream = streams_[source.id];
+        const detail::OverwritingFill fill(projection_, samples_, rows_);
+        detail::TrianglePainter<detail::OverwritingFill> painter(stream, projection_, light_.light(),
+                                                                 options_.culls_back_faces, fill);
         for (const Range& r : ranges) {
-            draw_triangles(stream, stream.first_triangle(r.first), stream.first_triangle(r.first + r.count), to_,
-                           triage_, painter);
+            detail::draw_triangles(stream, stream.first_triangle(r.first), stream.first_triangle(r.first + r.count),
+                                   projection_, triage_, painter);
         }
     }
 
   private:
     PainterOptions options_;
     int side_;
-    TriageFunction triage_;
-    SampleRows rows_;
-    LightInView light_;
-    SampleProjection to_;
-    ColorSamples samples_;
-    TriangleStreams streams_;
+    detail::TriageFunction triage_;
+    detail::SampleRows rows_;
+    detail::LightInView light_;
+    detail::SampleProjection projection_;
+    detail::ColorSamples samples_;
+    detail::SourceSlots<detail::TriangleStream> streams_;
     Image image_;
 };
 

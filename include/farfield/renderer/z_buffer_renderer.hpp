@@ -1,8 +1,8 @@
 // The reference renderer: scan conversion of triangles and convex polygons into a z-buffer of 1 to 64 samples a pixel,
 // with far-field cells and triangles smaller than a sample composited over it front to back.
 //
-// It is the yardstick of every ratio in this house, so it must be honest competition: eight triangles at a step, those
-// without a sample rejected before set-up, only what was drawn cleared and resolved.
+// It is the yardstick of every ratio in this house, so it must be honest competition: it takes eight triangles at a
+// step, rejects those without a sample before setup, and clears and resolves only what was drawn.
 #pragma once
 
 #include <algorithm>
@@ -22,11 +22,11 @@
 
 namespace farfield {
 
-/// Draws what a Viewer hands over; the picture is image() after the frame. The result does not depend on the order of
-/// primitives: of two at the same depth the larger color wins. Primitives with alpha below 255 cover that part of the
-/// samples, chosen by a hash of sample and primitive: stable from frame to frame, needing no order (after Wyman and
-/// McGuire 2017, "Hashed alpha testing"). Of ranges with a law the small triangles are deposited in the order in which
-/// they come; of a coherent surface that leaves no holes, of anything else it covers what its area is worth.
+/// Draws for a Viewer; the picture is image() after the frame. It does not depend on the order of primitives: of two at
+/// the same depth the larger color wins. Primitives with alpha below 255 cover that part of the samples, chosen by a
+/// hash of sample and primitive: stable from frame to frame, needing no order (after Wyman and McGuire 2017, "Hashed
+/// alpha testing"). Ranges with a law have their small triangles deposited in the order in which they come: that leaves
+/// no holes in a coherent surface, and covers according to area in anything else.
 class ZBufferRenderer {
   public:
     static constexpr RendererFacts facts{.keeps_sources = true,
@@ -46,51 +46,53 @@ class ZBufferRenderer {
     }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
 
-    /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
+    /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) { canvas_.begin_frame(view); }
     void set_view(const LocalView& view) { canvas_.set_view(view); }
     void end_frame() { canvas_.end_frame(); }
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        canvas_.draw(source, ranges, DepthTestedFill(canvas_.projection(), canvas_.buffers(), rows_));
+        canvas_.draw(source, ranges, detail::DepthTestedFill(canvas_.projection(), canvas_.buffers(), rows_));
     }
     void draw(std::span<const Face> faces) { canvas_.draw(faces); }
     void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
 
     bool deposits_primitives() const { return canvas_.options().deposits_small_triangles; }
-    /// Two samples: a deposit then touches at most three by three.
+    /// This is two samples: a deposit then touches at most three by three.
     float largest_splat_px() const { return 2.0f / float(canvas_.samples_a_side()); }
 
-    /// Asked in front-to-back order. Geometry drawn before hides what lies behind all of it, and that exactly; where
-    /// deposits closed a sample, contents of a loose cell that reach in front of a cell already drawn may be lost
+    /// Whether a cell is hidden; ask front to back. Geometry drawn before hides, exactly, things behind all of it.
+    /// Where deposits closed a sample, contents of a loose cell that reach in front of a cell already drawn may be lost
     /// with it, by less than a cell. Before the first deposit of a frame, a stand-in's or a triangle's, nothing is
     /// hidden: an exact picture takes every primitive in the frustum.
     bool hidden(const Cell& cell, CellId) {
-        SampleBuffers& buffers = canvas_.buffers();
+        detail::SampleBuffers& buffers = canvas_.buffers();
         if (!buffers.has_far()) return false;
-        const SampleProjection& to = canvas_.projection();
-        const glm::vec3 p = to.project(cell.bounds_center);
+        const detail::SampleProjection& projection = canvas_.projection();
+        const glm::vec3 p = projection.project(cell.bounds_center);
         const float radius = std::sqrt(glm::dot(cell.bounds_half, cell.bounds_half));
-        // A point of the sphere is off by at most radius (focal + |x|) / (depth - radius) from its center's image.
-        const float nearest = to.is_perspective ? p.z - radius : 1.0f;
+        // A point of the sphere is projected at most radius (focal + |x|) / (depth - radius) away from its center.
+        const float nearest = projection.is_perspective ? p.z - radius : 1.0f;
         if (!(nearest > 0)) return false;
-        const float inverse = to.inverse_w(p.z) * (1.0f / 256), x = p.x * inverse, y = p.y * inverse;
-        const float skew = to.is_perspective ? 1.0f : 0.0f, reach = radius / nearest;
-        const float rx = reach * (to.focal + skew * std::abs(x)), ry = reach * (to.focal + skew * std::abs(y));
+        const float inverse = projection.inverse_w(p.z) * (1.0f / 256), x = p.x * inverse, y = p.y * inverse;
+        const float skew = projection.is_perspective ? 1.0f : 0.0f, reach = radius / nearest;
+        const float rx = reach * (projection.focal + skew * std::abs(x)),
+                    ry = reach * (projection.focal + skew * std::abs(y));
         if (!(rx < 64 && ry < 64)) return false;  // large ones are seldom hidden and their children are asked again
-        const float cx = x + to.offset_x * (1.0f / 256), cy = y + to.offset_y * (1.0f / 256);
-        // Nearer than any corner, roundings included: vertices are snapped, hence the sample added around.
-        const float front = to.is_perspective ? nearest : p.z - radius;
+        const float cx = x + projection.offset_x * (1.0f / 256), cy = y + projection.offset_y * (1.0f / 256);
+        // Nothing is nearer than this q, roundings included; vertices are snapped, hence one more sample around.
+        const float front = projection.is_perspective ? nearest : p.z - radius;
         const float rounding = (std::abs(p.z) + radius) * 0x1p-16f;
-        const float q = to.q(front - rounding, to.inverse_w(std::max(front - rounding, 0.5f * nearest)));
+        const float q =
+            projection.q(front - rounding, projection.inverse_w(std::max(front - rounding, 0.5f * nearest)));
         return buffers.all_settled(int(std::floor(cx - rx)) - 1, int(std::floor(cy - ry)) - 1,
                                    int(std::floor(cx + rx)) + 1, int(std::floor(cy + ry)) + 1, q);
     }
 
   private:
-    ZBufferCanvas canvas_;
-    SampleRows rows_{Simd::scalar};
+    detail::ZBufferCanvas canvas_;
+    detail::SampleRows rows_{Simd::scalar};
 };
 
 }  // namespace farfield

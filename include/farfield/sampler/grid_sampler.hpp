@@ -1,4 +1,4 @@
-// The sampler built in: point samples on a grid, from each side of a box.
+// The built-in sampler takes point samples on a grid, from each side of a box.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,8 @@
 
 namespace farfield {
 
-/// Point samples at the centers of the grid's squares, vertices snapped to 1/256 of a square, shared edges covered
-/// once. The nearest polygon from each side wins; of two at one depth the first.
+/// Samples lie at the centers of the grid's squares; vertices are snapped to 1/256 of a square, and shared edges are
+/// covered once. The nearest polygon from each side wins; of two at one depth the first.
 class GridSampler {
   public:
     std::optional<DirectionalLight> light;
@@ -30,7 +30,7 @@ class GridSampler {
     GridSampler(const DirectionalLight& l)  // NOLINT(google-explicit-constructor): a light is all it needs
         : light(l) {}
 
-    /// What the side with this normal (any length) multiplies colors by.
+    /// The factor that the light gives to colors of the side with this normal (any length).
     float brightness(const Polygon& polygon, glm::vec3 facing_viewer) const {
         return light && !polygon.is_lit ? light->brightness(facing_viewer) : 1.0f;
     }
@@ -70,8 +70,8 @@ class GridSampler {
     };
 
     void add(const SampleGrid& grid, Corners& c, std::span<Rgba8> out) {
-        // Rounded by adding 1.5 * 2^23, which is exact below 2^22; a triangle thousands of squares large is held
-        // back there, which bends its edges far outside the box.
+        // Adding 1.5 * 2^23 rounds, exactly below 2^22; triangles thousands of squares large are clamped there, which
+        // bends their edges far outside the box.
         constexpr float rounder = 12582912.0f, reach = 0x1p21f;
         bool small = true;
         for (int axis = 0; axis < 3; ++axis) {
@@ -91,7 +91,7 @@ class GridSampler {
         }
     }
 
-    /// Int holds twice the area of a triangle: 2^28 where coordinates stay below 2^13.
+    /// Int must hold twice the area of a triangle: 2^28 where coordinates stay below 2^13.
     template <class Int>
     void scan(const SampleGrid& grid, int a, const Corners& c, std::span<Rgba8> out) {
         const int ua = (a + 1) % 3, va = (a + 2) % 3;
@@ -118,7 +118,7 @@ class GridSampler {
         const float lowest = std::min(std::min(depth[0], depth[1]), depth[2]);
         const float highest = std::max(std::max(depth[0], depth[1]), depth[2]);
         const float lower = grid.box.lower[a], upper = grid.box.upper[a];
-        // All of a box without extent is in its first slab.
+        // In a box without extent everything is in the first slab.
         const float quotient = float(grid.slabs) / (upper - lower),
                     slabs_per_unit = std::isfinite(quotient) ? quotient : 0;
         const float inverse_area = 1.0f / float(doubled_area);

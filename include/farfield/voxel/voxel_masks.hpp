@@ -1,4 +1,5 @@
-// Masks of 4 x 4 x 4 voxels, or cubes of voxels, against a plane (Greene 1996, section 8). Bit 16 z + 4 y + x.
+// Masks of 4 x 4 x 4 voxels, or of cubes of voxels, on one side of a plane (Greene 1996, section 8). A voxel is bit
+// 16 z + 4 y + x.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 #include <emmintrin.h>
 #endif
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Which of 64 values e + a x + b y + c z are negative? Values are below 2^63.
 inline std::uint64_t negative_voxels_scalar(std::int64_t e, std::int64_t a, std::int64_t b, std::int64_t c) {
@@ -29,7 +30,8 @@ inline std::uint64_t negative_voxels_scalar(std::int64_t e, std::int64_t a, std:
 /// The same in a quarter of the time where the machine is known to have SSE2.
 inline std::uint64_t negative_voxels(std::int64_t e, std::int64_t a, std::int64_t b, std::int64_t c) {
 #if defined(__SSE2__)
-    // Two values a register; the halves that have the signs of a row; packing keeps signs, for it saturates.
+    // A register holds two values; the halves with the signs of a row are taken, and packing keeps signs because it
+    // saturates.
     const auto signs = [](__m128i left, __m128i right) {
         return _mm_castps_si128(
             _mm_shuffle_ps(_mm_castsi128_ps(left), _mm_castsi128_ps(right), _MM_SHUFFLE(3, 1, 3, 1)));
@@ -52,8 +54,8 @@ inline std::uint64_t negative_voxels(std::int64_t e, std::int64_t a, std::int64_
 #endif
 }
 
-/// Of 64 cubes of `side` voxels a side; e is the plane's value at the first voxel of the first cube. Exact: covered are
-/// the cubes whose voxels are all inside, vacant those of which none is.
+/// The mask of 64 cubes of `side` voxels a side; e is the plane's value at the first voxel of the first cube. It is
+/// exact: cubes are covered if all their voxels are inside and vacant if none is.
 inline TriageMask voxel_triage(std::int64_t e, const VoxelPlane& p, int side) {
     const std::int64_t zero = 0, last = side - 1;
     const std::int64_t least = last * (std::min(p.a, zero) + std::min(p.b, zero) + std::min(p.c, zero));
@@ -62,11 +64,11 @@ inline TriageMask voxel_triage(std::int64_t e, const VoxelPlane& p, int side) {
             negative_voxels(e + most, side * p.a, side * p.b, side * p.c)};
 }
 
-/// The first (x, y, z) of 4 x 4 x 4, each clamped to 0 to 4.
+/// The mask of the first size.x by size.y by size.z of 4 x 4 x 4, each clamped to [0, 4].
 inline std::uint64_t voxel_corner(glm::ivec3 size) {
     const auto ones = [](int bits) { return bits >= 64 ? all_subcells : (std::uint64_t(1) << std::max(bits, 0)) - 1; };
     return ones(std::min(size.x, 4)) *
            (0x1111111111111111u & ones(4 * std::min(size.y, 4)) * 0x0001000100010001u & ones(16 * std::min(size.z, 4)));
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

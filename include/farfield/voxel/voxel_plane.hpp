@@ -20,10 +20,10 @@ namespace farfield {
 struct VoxelPlane {
     std::int64_t e = 0, a = 0, b = 0, c = 0;
 
-    /// Inside is where dot(n, p) + w > 0, n = plane.xyz; p in voxels. Exact where components of n are 0 or at least
-    /// 2^-20 of the largest and have no more digits than a float; others are rounded to 2^-44 of the largest, which at
-    /// 16384 voxels is 2^-30 voxel. snapped(-plane) is snapped(plane).reversed(). With n = 0 everything is inside where
-    /// w >= 0; a plane that is not finite has nothing inside.
+    /// Inside is where dot(n, p) + w > 0, n = plane.xyz; p in voxels. This is exact if components of n are 0 or at
+    /// least 2^-20 of the largest and have no more digits than a float; others are rounded to 2^-44 of the largest,
+    /// which at 16384 voxels is 2^-30 voxel. snapped(-plane) is snapped(plane).reversed(). With n = 0 everything is
+    /// inside if w >= 0; a plane that is not finite has nothing inside.
     static VoxelPlane snapped(const glm::dvec4& plane) {
         for (int i = 0; i < 4; ++i) {
             if (!std::isfinite(plane[i])) return {-1, 0, 0, 0};
@@ -36,15 +36,15 @@ struct VoxelPlane {
         p.a = std::llround(std::ldexp(plane.x, 44 - exponent));
         p.b = std::llround(std::ldexp(plane.y, 44 - exponent));
         p.c = std::llround(std::ldexp(plane.z, 44 - exponent));
-        // Twice E at (0, 0, 0), for centers are at halves. A fraction of it only says that no center is on the plane.
+        // Twice E at (0, 0, 0), because centers are at halves. A fraction only says that no center is on the plane.
         const double doubled_w = std::ldexp(plane.w, 45 - exponent), floor = std::floor(doubled_w);
         const auto doubled = std::int64_t(std::clamp(floor, -0x1p61, 0x1p61)) + p.a + p.b + p.c;
         p.e = (doubled - (floor == doubled_w && !p.owns_its_points())) >> 1;
         return p;
     }
 
-    /// Of a face of a polyhedron with corners p, q and r, snapped to 1/256 voxel, counter-clockwise seen from outside
-    /// in right-handed axes; |coordinates| at most 2^20, exact. Of corners in one line it is a plane that has
+    /// The plane of a polyhedron's face with corners p, q and r, snapped to 1/256 voxel, counter-clockwise seen from
+    /// outside in right-handed axes; exact for |coordinates| of at most 2^20. Corners in one line give a plane that has
     /// everything inside: a polyhedron needs other faces too.
     static VoxelPlane through(glm::ivec3 p, glm::ivec3 q, glm::ivec3 r) {
         const std::int64_t ux = r.x - p.x, uy = r.y - p.y, uz = r.z - p.z;
@@ -53,14 +53,14 @@ struct VoxelPlane {
         plane.a = uy * vz - uz * vy;
         plane.b = uz * vx - ux * vz;
         plane.c = ux * vy - uy * vx;
-        // Whole voxels and the rest apart, or products would not fit.
+        // Whole voxels and the rest are kept apart, or products would not fit.
         const std::int64_t rest = plane.a * (128 - (p.x & 255)) + plane.b * (128 - (p.y & 255)) +
                                   plane.c * (128 - (p.z & 255)) - !plane.owns_its_points();
         plane.e = (rest >> 8) - plane.a * (p.x >> 8) - plane.b * (p.y >> 8) - plane.c * (p.z >> 8);
         return plane;
     }
 
-    /// What is inside becomes outside.
+    /// Exchanges inside and outside.
     VoxelPlane reversed() const { return {-e - 1, -a, -b, -c}; }
 
     std::int64_t at(glm::ivec3 voxel) const { return e + a * voxel.x + b * voxel.y + c * voxel.z; }

@@ -1,4 +1,4 @@
-// Convex polyhedra tiled into a grid of voxels by recursive subdivision: "only visit cells in the pyramid that are
+// Tiles convex polyhedra into a grid of voxels by recursive subdivision: "only visit cells in the pyramid that are
 // intersected by the polyhedron's faces" (Greene 1996, section 8).
 #pragma once
 
@@ -25,7 +25,7 @@ struct VoxelCubes {
     std::uint64_t mask;  ///< bit 16 z + 4 y + x: the cube whose first voxel is first + side * (x, y, z)
 
     std::int64_t voxels() const { return std::int64_t(std::popcount(mask)) * side * side * side; }
-    /// f(first voxel of a cube), in order of bits.
+    /// Calls f(first voxel of a cube) in order of bits.
     template <class F>
     void for_each(F&& f) const {
         for (std::uint64_t rest = mask; rest != 0; rest &= rest - 1) f(first + side * place(std::countr_zero(rest)));
@@ -33,16 +33,16 @@ struct VoxelCubes {
     static glm::ivec3 place(int bit) { return {bit & 3, bit >> 2 & 3, bit >> 4}; }
 };
 
-/// Which voxels of a grid are occupied, in 1 bit each, and which cubes of 4^n voxels are covered or vacant, in 2 bits
-/// each: 1 2/63 bits a voxel where all sides are powers of 4; sides are rounded up to whole cubes of 4 voxels.
+/// Stores in 1 bit each which voxels of a grid are occupied, and in 2 bits each which cubes of 4^n voxels are covered
+/// or vacant: 1 2/63 bits a voxel where all sides are powers of 4; sides are rounded up to whole cubes of 4 voxels.
 ///
-/// Polyhedra are tiled front to back, or in any order of importance: what one occupies is never given to another.
-/// Clearing takes no time: a cell counts for nothing as long as the cell above says that it is vacant.
+/// Polyhedra are tiled front to back, or in any order of importance: a voxel that one occupies is never given to
+/// another. Clearing takes no time: a cell is ignored as long as the cell above says that it is vacant.
 class VoxelPyramid {
   public:
     static constexpr int most_voxels_a_side = 16384;
 
-    /// Nothing is occupied. A side may be 0. Throws std::invalid_argument for sides that are negative or too large.
+    /// Starts with nothing occupied. A side may be 0. Throws std::invalid_argument for negative or too large sides.
     explicit VoxelPyramid(glm::ivec3 size_in_voxels) : size_(size_in_voxels) {
         const auto [least, most] = std::minmax({size_.x, size_.y, size_.z});
         if (least < 0 || most > most_voxels_a_side) {
@@ -70,10 +70,10 @@ class VoxelPyramid {
     }
 
     /// Occupies the voxels with their centers inside all planes and calls sink(VoxelCubes) for those that were vacant,
-    /// each once: cubes as large as they come, aligned to multiples of their side. Without planes, all that is left.
+    /// each once, in cubes as large as possible, aligned to multiples of their side. No planes take all that is left.
     ///
-    /// Visits cells that a plane crosses where no other plane excludes them, and the cells above; what is inside
-    /// altogether only where some of it is occupied already. The sink must not use the pyramid; if it throws, clear().
+    /// Visits cells that a plane crosses if no other plane excludes them, and the cells above; cells entirely inside
+    /// only if some of them is occupied already. The sink must not use the pyramid; if it throws, call clear().
     template <class Sink>
     void tile(std::span<const VoxelPlane> planes, Sink&& sink) {
         if (levels_.empty()) return;
@@ -82,7 +82,7 @@ class VoxelPyramid {
         const Visit root{int(levels_.size()) - 1, {0, 0, 0}, is_vacant_, scratch_.data(), planes.size()};
         if (visit(root, sink) != Outcome::unchanged) is_vacant_ = false;
     }
-    /// Planes by VoxelPlane::snapped: inside where dot(n, p) + w > 0.
+    /// Takes planes by VoxelPlane::snapped: inside where dot(n, p) + w > 0.
     template <class Sink>
     void tile(std::span<const glm::vec4> planes, Sink&& sink) {
         snapped_.clear();
@@ -90,7 +90,7 @@ class VoxelPyramid {
         tile(std::span<const VoxelPlane>(snapped_), sink);
     }
 
-    /// Voxels beyond the grid are not.
+    /// Whether a voxel is occupied; those beyond the grid are not.
     bool occupied(glm::ivec3 voxel) const {
         for (int axis = 0; axis < 3; ++axis) {
             if (voxel[axis] < 0 || voxel[axis] >= size_[axis]) return false;
@@ -105,7 +105,7 @@ class VoxelPyramid {
         return blocks_[index(0, voxel >> 2)] >> bit(voxel) & 1;
     }
 
-    /// Since the last clear(); a cell has 4 x 4 x 4 voxels or cells.
+    /// Cells visited since the last clear(); a cell has 4 x 4 x 4 voxels or cells.
     std::uint64_t cells_visited() const { return cells_visited_; }
 
   private:
@@ -122,11 +122,11 @@ class VoxelPyramid {
     struct Visit {
         int level;
         glm::ivec3 cell;
-        bool is_vacant;  ///< what is stored does not count
+        bool is_vacant;  ///< the stored mask is ignored
         Crossing* crossings;
         std::size_t count;
     };
-    /// A cell that has been full before is not visited again.
+    /// What a visit did to a cell; full ones are not visited again.
     enum class Outcome { unchanged, changed, filled };
     static Outcome outcome(bool is_full) { return is_full ? Outcome::filled : Outcome::changed; }
 
@@ -147,11 +147,11 @@ class VoxelPyramid {
     Outcome visit_block(const Visit& v, Sink& sink) {
         std::uint64_t& stored = blocks_[index(0, v.cell)];
         const glm::ivec3 first = v.cell * 4;
-        const std::uint64_t before = v.is_vacant ? ~voxel_corner(size_ - first) : stored;
+        const std::uint64_t before = v.is_vacant ? ~detail::voxel_corner(size_ - first) : stored;
         std::uint64_t write = ~before;
         for (std::size_t i = 0; i < v.count && write != 0; ++i) {
             const VoxelPlane& p = *v.crossings[i].plane;
-            write &= ~negative_voxels(v.crossings[i].value, p.a, p.b, p.c);
+            write &= ~detail::negative_voxels(v.crossings[i].value, p.a, p.b, p.c);
         }
         if (write == 0) return Outcome::unchanged;
         stored = before | write;
@@ -159,29 +159,29 @@ class VoxelPyramid {
         return outcome(stored == all_subcells);
     }
 
-    /// Listing 1 of the paper, with planes for edges.
+    /// This is listing 1 of the paper, with planes for edges.
     template <class Sink>
     Outcome visit_cell(const Visit& v, Sink& sink) {
         const int side = 1 << 2 * v.level;
         const glm::ivec3 first = v.cell * (4 * side);
         TriageMask& stored = levels_[std::size_t(v.level)].masks[index(v.level, v.cell)];
-        // Cubes that lie beyond the grid are covered, and those that reach beyond it are never given away whole.
+        // Cubes beyond the grid are covered, and those that reach beyond it are never given away whole.
         const glm::ivec3 left = size_ - first;
         TriageMask mask = stored;
         if (v.is_vacant) {
-            mask.vacant = voxel_corner((left + (side - 1)) / side);
+            mask.vacant = detail::voxel_corner((left + (side - 1)) / side);
             mask.covered = ~mask.vacant;
         }
         TriageMask polyhedron{all_subcells, no_subcells};
         for (std::size_t i = 0; i < v.count; ++i) {
             Crossing& crossing = v.crossings[i];
-            const TriageMask half_space = voxel_triage(crossing.value, *crossing.plane, side);
+            const TriageMask half_space = detail::voxel_triage(crossing.value, *crossing.plane, side);
             crossing.active = half_space.active();
             polyhedron.covered &= half_space.covered;
             polyhedron.vacant |= half_space.vacant;
             if ((polyhedron.vacant | mask.covered) == all_subcells) return Outcome::unchanged;
         }
-        const std::uint64_t write = mask.vacant & polyhedron.covered & voxel_corner(left / side);
+        const std::uint64_t write = mask.vacant & polyhedron.covered & detail::voxel_corner(left / side);
         mask.covered |= write;
         mask.vacant &= ~write;
         bool wrote = write != 0;
@@ -193,7 +193,7 @@ class VoxelPyramid {
             const std::uint64_t subcell = active & ~(active - 1);
             const glm::ivec3 place = VoxelCubes::place(bit), offset = place * side;
             Visit child{v.level - 1, v.cell * 4 + place, (mask.vacant & subcell) != 0, v.crossings + v.count, 0};
-            // Without branches, which nothing could foretell: one that does not cross is overwritten by the next.
+            // No branches, because none could be predicted: a plane that does not cross is overwritten by the next.
             for (std::size_t i = 0; i < v.count; ++i) {
                 const Crossing& crossing = v.crossings[i];
                 const VoxelPlane& p = *crossing.plane;

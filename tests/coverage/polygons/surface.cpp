@@ -8,6 +8,7 @@
 #include "support/random.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 namespace {
@@ -25,7 +26,7 @@ Surface random_surface(Random& random, bool is_flat) {
     s.depth = DepthPlane(s.triangle, s.triangle.doubled_area());
     s.is_perspective = random.below(2) == 0;
     s.is_flat = is_flat;
-    s.is_solid = false;
+    s.kind = SurfaceKind::translucent;
     s.hash = std::uint32_t(random.bits());
     for (Rgba8& c : s.colors) {
         c = random.color();
@@ -58,7 +59,7 @@ TEST_CASE("a flat surface has its color everywhere; the background keeps its alp
     CHECK(s.seen_color() == opaque(s.colors[0]));
     CHECK(s.seen_color_at(3, -7) == s.seen_color());
     CHECK(s.seen_color_of_pixel(300, 7) == s.seen_color());
-    s.is_background = true;
+    s.kind = SurfaceKind::background;
     CHECK(s.seen_color() == s.colors[0]);
     CHECK(s.seen_color_at(3, -7) == s.colors[0]);
 }
@@ -105,7 +106,7 @@ TEST_CASE("of a part of the far field the number of samples is exact, but for ro
         std::uint64_t every = 0;
         for (int i = 0; i < 400; ++i) {
             Surface s = random_surface(random, true);
-            s.is_fraction = true;
+            s.kind = SurfaceKind::fraction;
             for (Rgba8& c : s.colors) c.a = std::uint8_t(alpha);
             const int x = 8 * (int(random.below(80)) - 40), y = 8 * (int(random.below(80)) - 40);
             const std::uint64_t mask = s.hashed_samples(x, y, false);

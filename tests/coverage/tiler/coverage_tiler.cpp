@@ -11,6 +11,7 @@
 #include "support/masks.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 namespace {

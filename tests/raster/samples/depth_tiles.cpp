@@ -8,6 +8,7 @@
 #include "support/random.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 TEST_CASE("answers are those of every sample of the tiles touched, and err only towards no", "[raster]") {

@@ -19,6 +19,7 @@
 #include "support/scenes.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 namespace {

@@ -14,10 +14,11 @@
 #include "farfield/coverage/pixels/pixel_blocks.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield {
 
-/// Number of bits set. Without an instruction for it, std::popcount is a call.
+/// The number of bits set. Without an instruction for it, std::popcount is a call.
 inline int bit_count(std::uint64_t bits) {
 #if defined(__x86_64__) && !defined(__POPCNT__)
     bits -= bits >> 1 & 0x5555555555555555u;
@@ -28,62 +29,62 @@ inline int bit_count(std::uint64_t bits) {
 #endif
 }
 
-/// Sums of 16 bits a channel. In a frame, every sample of every pixel comes exactly once, in any order: then the
-/// picture does not depend on the order, and its channels are (sum + 32) >> 6. What no sample comes for keeps what an
+/// Sums have 16 bits a channel. In a frame, every sample of every pixel must come exactly once, in any order: then the
+/// picture does not depend on the order, and its channels are (sum + 32) >> 6. Pixels without samples keep what an
 /// earlier frame left there.
 ///
-/// Blocks are aligned ones of 8 x 8 pixels, row by row, those of the right and the lower border being whole. A block of
-/// one color is a tag, and its sums are not written; drawing into a block pixel by pixel wants open_block() before. The
-/// functions that take coordinates see to it themselves.
+/// Blocks are aligned 8 x 8 pixels, row by row; those at the right and the lower border are whole. A block of one color
+/// is a tag, and its sums are not written; call open_block() before drawing into one pixel by pixel. Functions that
+/// take coordinates do so themselves.
 class BoxFilter {
   public:
     static constexpr int block_side_px = detail::PixelBlocks::side_px;
-    /// Whether there are functions that take indices.
+    /// Says that there are functions that take indices.
     static constexpr bool has_blocks = true;
 
-    /// A new frame. Clears nothing.
+    /// Begins a frame; clears nothing.
     void begin(int width_px, int height_px) {
         if (blocks_.resize(width_px, height_px)) sums_.assign(blocks_.count() * 64, 0);
     }
 
-    /// Some samples of a pixel of the image; bit 8 * row + column. `first`: none came before in this frame.
+    /// Adds some samples of a pixel, as bits 8 * row + column. `first`: none came before in this frame.
     void add(int x, int y, std::uint64_t samples, Rgba8 premultiplied, bool first) {
         blocks_.open(block_of(x, y));
         add_at(index_of(x, y), bit_count(samples), premultiplied, first);
     }
-    /// All samples of a rectangle of whole blocks. It may reach beyond the right and the lower border, and ends there.
+    /// Adds all samples of a rectangle of whole blocks, which is cut off at the right and the lower border.
     void fill(int x, int y, int width_px, int height_px, Rgba8 premultiplied) {
         blocks_.fill(x, y, width_px, height_px, premultiplied);
     }
-    /// All samples of some pixels of the block that has (x, y) at its upper left; bit 8 * row + column.
+    /// Adds all samples of some pixels, as bits 8 * row + column, of the block that has (x, y) at its upper left.
     void fill_pixels(int x, int y, std::uint64_t pixels, Rgba8 premultiplied) {
         blocks_.open(block_of(x, y));
         fill_pixels(block_of(x, y), pixels, premultiplied);
     }
 
     std::size_t block_of(int x, int y) const { return blocks_.block_of(x, y); }
-    /// 64 * block + 8 * row + column.
+    /// The index of a pixel: 64 * block + 8 * row + column.
     std::size_t index_of(int x, int y) const { return blocks_.index_of(x, y); }
 
-    /// Before the first pixel of a block in a frame; any number of times, but not after fill_block().
+    /// Call this before the first pixel of a block in a frame; repeating it is harmless, but not after fill_block().
     FARFIELD_INLINE void open_block(std::size_t block) { blocks_.open(block); }
     FARFIELD_INLINE void fill_block(std::size_t block, Rgba8 premultiplied) { blocks_.fill(block, premultiplied); }
-    /// `count` samples of a pixel of an open block.
+    /// Adds `count` samples of a pixel of an open block.
     FARFIELD_INLINE void add_at(std::size_t index, int count, Rgba8 premultiplied, bool first) {
         sums_[index] = (first ? 0 : sums_[index]) + spread(premultiplied) * std::uint64_t(count);
     }
-    /// Adds to a pixel of an open block what is no sample: channels are of 0 to 255 * 64, and rounded down; all sums
-    /// must stay below that.
+    /// Adds a color other than samples' to a pixel of an open block: channels from 0 to 255 * 64, rounded down. Sums
+    /// must not exceed that.
     void add_sum(std::size_t index, glm::vec4 sum) {
         sums_[index] +=
             std::uint64_t(sum.r) | std::uint64_t(sum.g) << 16 | std::uint64_t(sum.b) << 32 | std::uint64_t(sum.a) << 48;
     }
-    /// All samples of some pixels of an open block.
+    /// Adds all samples of some pixels of an open block.
     FARFIELD_INLINE void fill_pixels(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {
         detail::store_selected(&sums_[block * 64], pixels, spread(premultiplied) << 6);
     }
 
-    /// All samples of some pixels of a row of an open block, the first of which is `index`.
+    /// Adds all samples of some pixels of a row of an open block that begins at `index`.
     FARFIELD_INLINE void fill_row(std::size_t index, unsigned pixels, const std::array<Rgba8, 8>& premultiplied) {
         std::uint8_t channels[32];
         std::uint16_t sums[32];
@@ -98,7 +99,7 @@ class BoxFilter {
         }
     }
 
-    /// Writes every pixel. Any number of times a frame.
+    /// Writes every pixel; may be repeated in a frame.
     void resolve(Image& image) const {
         blocks_.resolve(image, [sums = sums_.data()](std::size_t index, Rgba8* out) {
             detail::PixelBlocks::prefetch_beyond(sums + index, 4 * 64 * sizeof *sums);
@@ -111,7 +112,7 @@ class BoxFilter {
     }
 
   private:
-    /// Each channel in 16 bits, in the order that they have in memory.
+    /// Spreads the channels to 16 bits each, in their order in memory.
     static std::uint64_t spread(Rgba8 c) {
         std::uint64_t bits = std::bit_cast<std::uint32_t>(c);
         bits = (bits | bits << 16) & 0x0000ffff0000ffffu;
@@ -119,7 +120,7 @@ class BoxFilter {
     }
 
     detail::PixelBlocks blocks_;
-    std::vector<std::uint64_t> sums_;  ///< of the pixels of open blocks; channels are below 2^14
+    std::vector<std::uint64_t> sums_;  ///< for pixels of open blocks; channels are below 2^14
 };
 
 }  // namespace farfield

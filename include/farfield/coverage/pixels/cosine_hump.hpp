@@ -1,5 +1,5 @@
-// The kernel of CosineHumpFilter: what each sample of a pixel contributes to the 3 x 3 pixels around it, and tables of
-// that for all byte patterns.
+// The kernel of CosineHumpFilter: the weight of each sample of a pixel for the 3 x 3 pixels around it, and tables of
+// those for all byte patterns.
 #pragma once
 
 #include <array>
@@ -18,15 +18,15 @@ namespace detail {
 /// exact, so pictures do not depend on the order that samples come in. Against the kernel itself a pixel errs by at
 /// most 0.12 of 255, whatever the colors.
 struct CosineHump {
-    /// Six weights: of the pixel to the left, the own one, the one to the right; the same in the row of pixels above.
+    /// Six weights: for the pixel to the left, the own one and the one to the right, then the same in the row above.
     struct alignas(16) Weights {
         std::uint16_t of[8] = {};
     };
 
-    /// rows[j][byte]: all samples of a byte in row j < 4. Row 7 - j is row j upside down.
+    /// rows[j][byte] sums the samples of a byte in row j < 4. Row 7 - j is row j upside down.
     std::array<std::array<Weights, 256>, 4> rows{};
-    /// of_pixels[c][r]: what a pixel gets of whole pixels around it; bit 0, 1, 2 of c is the column to its left, its
-    /// own and the one to its right, and r is the same of rows.
+    /// of_pixels[c][r] is a pixel's weight for whole pixels around it: bits 0, 1 and 2 of c are the column to its left,
+    /// its own and the one to its right, and r is the same for rows.
     std::array<std::array<float, 8>, 8> of_pixels{};
 
     constexpr CosineHump() {
@@ -39,7 +39,7 @@ struct CosineHump {
                 }
             }
         }
-        unsigned corner = 0, edge = 0, own = 0;  // what comes of whole pixels: a diagonal one, one beside, the own one
+        unsigned corner = 0, edge = 0, own = 0;  // weights of whole pixels: diagonal, adjoining, own
         for (const auto& row : rows) {
             corner += row[255].of[3];
             edge += row[255].of[4];
@@ -53,14 +53,14 @@ struct CosineHump {
         }
     }
 
-    /// Of a sample at a distance of (x, y) / 16 pixels.
+    /// The weight of a sample at a distance of (x, y) / 16 pixels.
     static constexpr int weight(int x, int y) {
-        // Of the kernel at the 208 samples that it reaches: makes weights 2^16 in sum, nearly.
+        // The kernel's sum over the 208 samples that it reaches: weights then add up to nearly 2^16.
         constexpr double sum = 59.77968581;
         const double squared = double(x * x + y * y) / 256;
         return squared < 1 ? int(kernel(squared) * (65536 / sum) + 0.5) : 0;
     }
-    /// Of the distance squared, below 1: of that, the cosine is a series without a root.
+    /// Takes the distance squared, below 1: the cosine is a series in that and needs no root.
     static constexpr double kernel(double squared) {
         double term = 1, cosine = 1;
         for (int i = 1; i < 15; ++i) {

@@ -1,4 +1,4 @@
-// Convolution of coverage masks with a cosine hump of one pixel radius, by tables: "kernel coefficients are precomputed
+// Convolves coverage masks with a cosine hump of one pixel radius, by tables: "kernel coefficients are precomputed
 // for all byte patterns and accessed by table lookup for each non-zero byte within a polygon's coverage mask at a
 // pixel" (Greene 1996, sections 4.4 and 9; G. Abram, L. Westover, T. Whitted, "Efficient Alias-Free Rendering Using
 // Bit-masks and Look-up Tables", SIGGRAPH 1985).
@@ -17,15 +17,15 @@
 
 namespace farfield {
 
-/// In a frame, every sample of every pixel comes exactly once, in any order. Pixels at the border are means of the
-/// samples that there are: their weights are normalized to those inside the image, so an image of one color is that
-/// color everywhere. Jittered samples weigh as if they were at their regular places.
+/// In a frame, every sample of every pixel must come exactly once, in any order. At the border, weights are normalized
+/// to the samples inside the image, so an image of one color is that color everywhere. Jittered samples weigh as if
+/// they were at their regular places.
 class CosineHumpFilter {
   public:
     static constexpr int block_side_px = 8;
     static constexpr bool has_blocks = false;
 
-    /// A new frame: clears 16 bytes a pixel.
+    /// Begins a frame; clears 16 bytes a pixel.
     void begin(int width_px, int height_px) {
         width_ = width_px;
         height_ = height_px;
@@ -33,18 +33,18 @@ class CosineHumpFilter {
         sums_.assign(stride_ * (std::size_t(height_px) + 2), {});
     }
 
-    /// Some samples of a pixel of the image; bit 8 * row + column.
+    /// Adds some samples of a pixel, as bits 8 * row + column.
     void add(int x, int y, std::uint64_t samples, Rgba8 premultiplied, bool /*first*/) {
         convolve(x, y, samples, sum_of(premultiplied));
     }
-    /// Takes back samples that came with this color, which leaves no trace: sums are whole numbers.
+    /// Takes back samples that came with this color. No trace is left, because sums are whole numbers.
     void remove(int x, int y, std::uint64_t samples, Rgba8 premultiplied) {
         Sum color = sum_of(premultiplied);
         for (float& channel : color) channel = -channel;
         convolve(x, y, samples, color);
     }
 
-    /// All samples of a rectangle of pixels. It may reach beyond the right and the lower border, and ends there.
+    /// Adds all samples of a rectangle of pixels, which is cut off at the right and the lower border.
     void fill(int x, int y, int width_px, int height_px, Rgba8 premultiplied) {
         const int columns = std::min(width_px, width_ - x), rows = std::min(height_px, height_ - y);
         if (columns <= 0 || rows <= 0) return;
@@ -57,7 +57,7 @@ class CosineHumpFilter {
             Sum inner{};
             accumulate(inner, color, weight[7][r]);
             if (r == 7) {
-                std::fill(sums + 1, sums + std::max(columns - 1, 1), inner);  // which nothing else reaches
+                std::fill(sums + 1, sums + std::max(columns - 1, 1), inner);  // nothing else reaches these
             } else {
                 for (int i = 1; i < columns - 1; ++i) accumulate(sums[i], inner, 1);
             }
@@ -66,7 +66,7 @@ class CosineHumpFilter {
             }
         }
     }
-    /// All samples of some pixels of the block that has (x, y) at its upper left; bit 8 * row + column, and those
+    /// Adds all samples of some pixels, as bits 8 * row + column, of the block that has (x, y) at its upper left. Those
     /// beyond the image are ignored.
     void fill_pixels(int x, int y, std::uint64_t pixels, Rgba8 premultiplied) {
         if (pixels == ~std::uint64_t(0)) return fill(x, y, block_side_px, block_side_px, premultiplied);
@@ -89,7 +89,7 @@ class CosineHumpFilter {
         }
     }
 
-    /// Writes every pixel, rounded to nearest. Any number of times a frame.
+    /// Writes every pixel, rounded to nearest; may be repeated in a frame.
     void resolve(Image& image) const {
         if (image.width() != width_ || image.height() != height_) image = Image(width_, height_);
         Rgba8* out = image.pixels().data();
@@ -146,7 +146,7 @@ class CosineHumpFilter {
 
     int width_ = 0, height_ = 0;
     std::size_t stride_ = 0;
-    std::vector<Sum> sums_;  ///< with one more pixel on each side: what is outside of the image is not looked at
+    std::vector<Sum> sums_;  ///< with one more pixel on each side, outside the image, which is not read
 };
 
 }  // namespace farfield

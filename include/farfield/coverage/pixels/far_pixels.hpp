@@ -1,4 +1,4 @@
-// The far field over coverage masks: what was deposited into each pixel, and the transmittance left for what comes
+// The far field over coverage masks: the color deposited into each pixel, and the transmittance left for what lies
 // behind it (geometry/area_law.hpp).
 #pragma once
 
@@ -17,15 +17,14 @@
 
 namespace farfield {
 
-/// Pixels are addressed as masks of samples are: 64 * block + subcell. Memory is taken by the first frame that has a
-/// deposit.
+/// Pixels are addressed like masks of samples: 64 * block + subcell. The first frame with a deposit takes the memory.
 class FarPixels {
   public:
-    /// Two by two samples each: of two things side by side in a pixel neither is behind the other.
+    /// A lane is two by two samples: things side by side in a pixel are thus not behind each other.
     static constexpr unsigned lane_count = 16;
     using LaneParts = std::array<float, lane_count>;
 
-    /// A new frame of so many blocks.
+    /// Begins a frame with this many blocks.
     void begin(std::size_t blocks) {
         block_count_ = blocks;
         if (touched_.size() != blocks) {
@@ -38,11 +37,11 @@ class FarPixels {
     }
 
     bool has_any() const { return has_any_; }
-    /// Pixels of a block that were deposited into in this frame.
+    /// The pixels of a block that were deposited into in this frame.
     std::uint64_t touched(std::size_t block) const { return has_any_ ? touched_[block] : no_subcells; }
 
-    /// Something that covers the samples `inside` of a pixel, and takes `loss` of what it covers; those of `seen`, some
-    /// of them, are not behind geometry. Returns which part comes through each lane of what came through before.
+    /// Deposits something that covers the samples `inside` of a pixel and takes `loss` where it covers; the subset
+    /// `seen` is not behind geometry. Returns the part of each lane's transmittance that is left.
     LaneParts deposit(std::size_t at, std::uint64_t inside, std::uint64_t seen, Loss loss, glm::vec3 rgb) {
         if (pixels_.empty()) pixels_.resize(64 * block_count_);
         has_any_ = true;
@@ -79,8 +78,7 @@ class FarPixels {
         return std::all_of(pixels_[at].lanes.begin(), pixels_[at].lanes.end(), [](float t) { return !(t > 0); });
     }
 
-    /// What comes through of something drawn at sample s behind all deposits so far. Rounded down, so that sums stay in
-    /// range.
+    /// The color c drawn at sample s as it comes through all deposits so far. Rounded down, so that sums stay in range.
     Rgba8 behind(std::size_t at, unsigned s, Rgba8 c) const { return attenuated(c, pixels_[at].lanes[lane_of(s)]); }
     static Rgba8 attenuated(Rgba8 c, float t) {
         return {std::uint8_t(float(c.r) * t), std::uint8_t(float(c.g) * t), std::uint8_t(float(c.b) * t),
@@ -88,7 +86,7 @@ class FarPixels {
     }
     static unsigned lane_of(unsigned sample) { return sample / 16 * 4 + sample % 8 / 2; }
 
-    /// f(at, rgb, alpha) of each pixel deposited into: premultiplied, in [0, 1].
+    /// Calls f(at, rgb, alpha) for each pixel deposited into: premultiplied, in [0, 1].
     template <class F>
     void for_touched(F&& f) const {
         if (!has_any_) return;

@@ -1,4 +1,4 @@
-// Where the tiler's masks of samples go: into filters, for images with 64 samples a pixel, or straight into pixels.
+// The destinations of the tiler's masks: filters, for images with 64 samples a pixel, or the pixels themselves.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 #include "farfield/coverage/pixels/far_pixels.hpp"
 #include "farfield/coverage/pixels/point_samples.hpp"
 #include "farfield/coverage/polygons/surface.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield {
 
@@ -25,7 +26,7 @@ struct MaskBlock {
     int sample_y_of(unsigned k) const { return sample_y + 8 * int(k / 8); }
 };
 
-/// A mask is a pixel's 64 samples.
+/// Here a mask is a pixel's 64 samples.
 template <class Filter>
 class PixelSamples {
   public:
@@ -39,11 +40,11 @@ class PixelSamples {
         if constexpr (takes_deposits) far_.begin(std::size_t((width_px + 7) / 8) * std::size_t((height_px + 7) / 8));
     }
 
-    /// Masks of a block will be written one by one.
+    /// Call this before the masks of a block are written one by one.
     FARFIELD_INLINE void open_block(const MaskBlock& block) {
         if constexpr (has_blocks) filter_.open_block(block.index);
     }
-    /// All samples of a block, of which none has been seen; `masks` are those inside the image.
+    /// Adds all samples of a block that has none yet; `masks` are those inside the image.
     FARFIELD_INLINE void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         if (!surface.is_flat) {
             open_block(block);
@@ -54,7 +55,7 @@ class PixelSamples {
             filter_.fill(8 * block.x, 8 * block.y, 8, 8, surface.seen_color());
         }
     }
-    /// All samples of some masks.
+    /// Adds all samples of some masks.
     FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         if (surface.is_flat) {
             if constexpr (has_blocks) {
@@ -77,20 +78,20 @@ class PixelSamples {
             }
         }
     }
-    /// Some samples of mask k, `count` of them; `is_first`: of none other in this frame.
+    /// Adds `count` samples of mask k; `is_first`: the mask has none yet in this frame.
     FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count,
                              const Surface& surface, bool is_first) {
         add(block, k, samples, count, color_of(block, k, surface), is_first);
     }
-    /// A block that cover_block() took is to be written mask by mask after all.
+    /// Prepares a block that cover_block() took for being written mask by mask after all.
     void split_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         if constexpr (has_blocks) {
             open_block(block);
             cover_masks(block, masks, surface);
         }
     }
-    /// A surface of the far field over samples `inside` of mask k, of which those of `seen` are not behind geometry.
-    /// Returns what comes through each lane of what came through before.
+    /// Deposits a surface of the far field over the samples `inside` of mask k, of which the subset `seen` is not
+    /// behind geometry. Returns the part of each lane's transmittance that is left.
     FarPixels::LaneParts deposit(const MaskBlock& block, unsigned k, std::uint64_t inside, std::uint64_t seen,
                                  const Surface& surface, bool is_first) {
         const std::size_t at = 64 * block.index + k;
@@ -99,10 +100,10 @@ class PixelSamples {
         }
         return far_.deposit(at, inside, seen, surface.loss, surface.far_rgb);
     }
-    /// Masks of a block that something was deposited into.
+    /// The masks of a block that something was deposited into.
     std::uint64_t deposited(const MaskBlock& block) const { return far_.touched(block.index); }
     bool is_closed(const MaskBlock& block, unsigned k) const { return far_.is_closed(64 * block.index + k); }
-    /// What comes through the deposits so far, at eight samples from s on.
+    /// Attenuates the colors of eight samples from s on by the deposits so far.
     void put_behind_deposits(const MaskBlock& block, unsigned k, unsigned s, std::array<Rgba8, 8>& colors) const {
         if ((deposited(block) >> k & 1) == 0) return;
         for (unsigned i = 0; i < 8; ++i) colors[i] = far_.behind(64 * block.index + k, s + i, colors[i]);
@@ -111,13 +112,13 @@ class PixelSamples {
         return surface.is_flat ? surface.seen_color()
                                : surface.seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
     }
-    /// Takes back what add() or cover_masks() did, as if it had not been the first: lazy z-buffering will say it anew.
+    /// Takes back what add() or cover_masks() did; lazy z-buffering adds those samples again later.
     void remove(const MaskBlock& block, unsigned k, std::uint64_t samples, const Surface& surface) {
         if constexpr (!has_blocks) {
             filter_.remove(8 * block.x + int(k % 8), 8 * block.y + int(k / 8), samples, color_of(block, k, surface));
         }
     }
-    /// All samples of mask k, whose earlier ones were taken back.
+    /// Adds all samples of mask k; earlier ones were taken back.
     void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
         for (unsigned s = 0; s < 64; ++s) {
             add(block, k, std::uint64_t(1) << s, 1, deep.color[s], s == 0);
@@ -149,7 +150,7 @@ class PixelSamples {
     FarPixels far_;
 };
 
-/// A sample is a pixel, a mask 8 x 8 of them.
+/// Here a sample is a pixel, and a mask is 8 x 8 of them.
 class SinglePixels {
   public:
     static constexpr int samples_a_side = 1;

@@ -1,5 +1,5 @@
-// The pixels of an image block by block, where a block of one color is only a tag: what BoxFilter and PointSamples have
-// in common.
+// The pixels of an image block by block, where a block of one color is only a tag: the common part of BoxFilter and
+// PointSamples.
 #pragma once
 
 #include <algorithm>
@@ -12,17 +12,18 @@
 
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield::detail {
 
-/// Those of an aligned block of 8 x 8 have numbers from 64 * block on, row by row; blocks are row by row too, and those
-/// of the right and the lower border are whole. A tag is a block's color or says that the block is open: that its
-/// pixels are kept elsewhere.
+/// The pixels of an aligned block of 8 x 8 have indices from 64 * block on, row by row; blocks are row by row too, and
+/// those at the right and the lower border are whole. A tag is a block's color or says that the block is open: its
+/// pixels are then kept elsewhere.
 class PixelBlocks {
   public:
     static constexpr int side_px = 8;
 
-    /// Whether the size changed; then every block is transparent black.
+    /// Returns whether the size changed; then every block is transparent black.
     bool resize(int width_px, int height_px) {
         if (width_px == width_ && height_px == height_) return false;
         width_ = width_px;
@@ -38,7 +39,7 @@ class PixelBlocks {
 
     void open(std::size_t block) { tags_[block] = is_open; }
     void fill(std::size_t block, Rgba8 color) { tags_[block] = std::bit_cast<std::uint32_t>(color); }
-    /// A rectangle of whole blocks; what lies beyond the right and the lower border is left out.
+    /// Fills a rectangle of whole blocks, which is cut off at the right and the lower border.
     void fill(int x, int y, int width_px, int height_px, Rgba8 color) {
         if (x >= width_) return;
         const std::size_t columns = blocks_of(std::min(x + width_px, width_)) - std::size_t(x >> 3);
@@ -47,7 +48,7 @@ class PixelBlocks {
         }
     }
 
-    /// Writes every pixel; write_row(index, out) makes eight of an open block, index being the first one's.
+    /// Writes every pixel; write_row(index, out) makes eight of an open block, from `index` on.
     template <class WriteRow>
     void resolve(Image& image, WriteRow&& write_row) const {
         if (image.width() != width_ || image.height() != height_) image = Image(width_, height_);
@@ -67,7 +68,8 @@ class PixelBlocks {
         }
     }
 
-    /// To fetch what comes some time after `p`. Hardware does not foresee eight rows at a time: it takes twice as long.
+    /// Prefetches the line `bytes` after `p`. Hardware does not foresee eight rows at a time; without this it takes
+    /// twice as long.
     static void prefetch_beyond(const void* p, std::size_t bytes) {
         __builtin_prefetch(reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(p) + bytes));
     }
@@ -100,7 +102,7 @@ class PixelBlocks {
     std::vector<std::uint64_t> tags_;  ///< the color as it lies in memory, or is_open
 };
 
-/// All bits of the i-th of four words where bit i is set.
+/// select_of_four[bits] is four words; the i-th has all bits set where bit i is.
 template <class Word>
 inline constexpr auto select_of_four = [] {
     std::array<std::array<Word, 4>, 16> table{};
@@ -109,15 +111,8 @@ inline constexpr auto select_of_four = [] {
     }
     return table;
 }();
-/// Inlined into code for another instruction set, small functions are compiled for that. A call would mix the old and
-/// the new encoding of vector instructions: the first of the old ones waits for the upper halves of all registers.
-#if defined(__GNUC__)
-#define FARFIELD_INLINE [[gnu::always_inline]] inline
-#else
-#define FARFIELD_INLINE inline
-#endif
 
-/// Words of a block whose bits are set become `value`. Loading and storing all of four is quicker than choosing.
+/// Sets the words of a block whose bits are set to `value`. Loading and storing all four is faster than choosing.
 template <class Word>
 FARFIELD_INLINE void store_selected(Word* words, std::uint64_t bits, Word value) {
     for (; bits != 0; bits >>= 4, words += 4) {

@@ -1,5 +1,5 @@
-// The image of coverage masks where one sample is one pixel: each mask at the finest level is of a block of 8 x 8
-// pixels, and colors do not accumulate (Greene 1996, section 4.5).
+// The image of coverage masks where one sample is one pixel: each mask at the finest level is a block of 8 x 8 pixels,
+// and colors do not accumulate (Greene 1996, section 4.5).
 #pragma once
 
 #include <bit>
@@ -11,38 +11,38 @@
 #include "farfield/coverage/pixels/pixel_blocks.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield {
 
-/// In a frame every pixel comes exactly once, those of the background last. What does not come keeps what an earlier
-/// frame left there. Blocks are as those of BoxFilter; bit 8 * row + column of a mask is a pixel, and those beyond the
-/// image are ignored. Rows are put together at the end: against writing them where they belong, that halved the time of
-/// filled blocks.
+/// In a frame every pixel comes exactly once, those of the background last; others keep an earlier frame's color.
+/// Blocks are those of BoxFilter; bit 8 * row + column of a mask is a pixel, and those beyond the image are ignored.
+/// Rows are put together at the end: writing them at once doubled the time of filled blocks.
 class PointSamples {
   public:
     static constexpr int block_side_px = detail::PixelBlocks::side_px;
     static constexpr bool has_blocks = true;
 
-    /// A new frame. Clears nothing.
+    /// Begins a frame; clears nothing.
     void begin(int width_px, int height_px) {
         if (blocks_.resize(width_px, height_px)) pixels_.assign(blocks_.count() * 64, 0);
     }
 
     std::size_t block_of(int x, int y) const { return blocks_.block_of(x, y); }
 
-    /// Some pixels of a block that has not been filled.
+    /// Adds some pixels of a block that has not been filled.
     FARFIELD_INLINE void add(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {
         blocks_.open(block);
         detail::store_selected(&pixels_[block * 64], pixels, std::bit_cast<std::uint32_t>(premultiplied));
     }
-    /// All pixels of a block.
+    /// Adds all pixels of a block.
     void fill_block(std::size_t block, Rgba8 premultiplied) { blocks_.fill(block, premultiplied); }
-    /// All pixels of a rectangle of whole blocks. It may reach beyond the right and the lower border, and ends there.
+    /// Adds all pixels of a rectangle of whole blocks, which is cut off at the right and the lower border.
     void fill(int x, int y, int width_px, int height_px, Rgba8 premultiplied) {
         blocks_.fill(x, y, width_px, height_px, premultiplied);
     }
 
-    /// Writes every pixel. Any number of times a frame.
+    /// Writes every pixel; may be repeated in a frame.
     void resolve(Image& image) const {
         blocks_.resolve(image, [pixels = pixels_.data()](std::size_t index, Rgba8* out) {
             detail::PixelBlocks::prefetch_beyond(pixels + index, 4 * 64 * sizeof *pixels);
@@ -52,7 +52,7 @@ class PointSamples {
 
   private:
     detail::PixelBlocks blocks_;
-    std::vector<std::uint32_t> pixels_;  ///< of open blocks: colors as they lie in memory
+    std::vector<std::uint32_t> pixels_;  ///< for open blocks: colors as they lie in memory
 };
 
 }  // namespace farfield

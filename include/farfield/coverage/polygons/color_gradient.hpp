@@ -1,4 +1,4 @@
-// Colors that differ from corner to corner of a polygon, as perspective has them, at the centers of pixels.
+// Interpolates colors that differ from corner to corner of a polygon, with perspective, at the centers of pixels.
 #pragma once
 
 #include <algorithm>
@@ -7,17 +7,19 @@
 
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/scan_conversion.hpp"
+#include "farfield/raster/simd.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Color times weight and weight are linear on the screen, the weight being q in perspective. Kept inside what the
-/// corners span: pixels that a polygon only touches have their centers beyond its edges.
+/// Color times weight and weight are linear on the screen; the weight is q in perspective. Results are clamped to the
+/// range of the corners, because pixels that a polygon only touches have their centers beyond its edges.
 class ColorGradient {
   public:
     ColorGradient() = default;
-    /// `corners` are colors[0..2]'s; all of `colors` bound what comes out. Of a triangle without area, anything.
-    [[gnu::always_inline]] ColorGradient(const SnappedTriangle& corners, const std::array<Rgba8, 4>& colors,
-                                         bool is_perspective) {
+    /// `corners` belong to colors[0..2]; all four colors bound the results. A triangle without area gives any color in
+    /// bounds.
+    FARFIELD_INLINE ColorGradient(const SnappedTriangle& corners, const std::array<Rgba8, 4>& colors,
+                                  bool is_perspective) {
         const std::int64_t area = corners.doubled_area();
         const float scale = area != 0 ? 256.0f / float(area) : 0.0f;
         const auto x1 = float(corners.x[1] - corners.x[0]), y1 = float(corners.y[1] - corners.y[0]);
@@ -43,8 +45,8 @@ class ColorGradient {
         }
     }
 
-    /// Of eight pixels in a row, the center of the first being (x, y), in samples; each is eight samples wide.
-    [[gnu::always_inline]] std::array<Rgba8, 8> eight_pixels(float x, float y) const {
+    /// The colors of eight pixels in a row, each eight samples wide; (x, y) is the center of the first, in samples.
+    FARFIELD_INLINE std::array<Rgba8, 8> eight_pixels(float x, float y) const {
         typedef float Eight __attribute__((vector_size(32)));
         typedef std::int32_t EightInts __attribute__((vector_size(32)));
         const Eight dx = Eight{0, 8, 16, 24, 32, 40, 48, 56} + (x - x_);
@@ -62,8 +64,8 @@ class ColorGradient {
         __builtin_memcpy(static_cast<void*>(colors.data()), &packed, sizeof colors);
         return colors;
     }
-    /// Of one: the same.
-    [[gnu::always_inline]] Rgba8 pixel(float x, float y) const {
+    /// The same for one pixel.
+    FARFIELD_INLINE Rgba8 pixel(float x, float y) const {
         typedef std::int32_t Ints __attribute__((vector_size(16)));
         const float dx = x - x_, dy = y - y_;
         const float inverse = 1.0f / (dx * weight_by_x_ + (dy * weight_by_y_ + weight_));
@@ -77,14 +79,14 @@ class ColorGradient {
   private:
     typedef float Floats __attribute__((vector_size(16)));  ///< r, g, b, a
 
-    [[gnu::always_inline]] static Floats channels_of(Rgba8 c) {
+    FARFIELD_INLINE static Floats channels_of(Rgba8 c) {
         return Floats{float(c.r), float(c.g), float(c.b), float(c.a)};
     }
 
-    Floats value_{}, by_x_{}, by_y_{};  ///< of channels times weight, at the first corner
+    Floats value_{}, by_x_{}, by_y_{};  ///< channels times weight, at the first corner
     Floats lowest_{}, highest_{};
     float weight_ = 0, weight_by_x_ = 0, weight_by_y_ = 0;
-    float x_ = 0, y_ = 0;  ///< of the first corner, in samples
+    float x_ = 0, y_ = 0;  ///< first corner, in samples
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,8 +1,7 @@
-// The far field over coverage masks: faces and splats become polygons that cover a part of the samples they lie on, or
-// that are deposited there.
+// The far field over coverage masks: faces and splats become polygons that cover a part of the samples they lie on or
+// are deposited there.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
@@ -10,80 +9,69 @@
 #include <glm/vec4.hpp>
 
 #include "farfield/coverage/polygons/surface.hpp"
+#include "farfield/drawables.hpp"
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/rgba8.hpp"
-#include "farfield/raster/polygon_clip.hpp"
+#include "farfield/raster/far_field/face_triangles.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/shading.hpp"
 #include "farfield/raster/snapping.hpp"
-#include "farfield/renderer.hpp"
 
 namespace farfield {
 
-/// How far-field cells meet masks.
+/// How far-field cells are combined with masks.
 enum class FarCoverage : std::uint8_t {
-    /// Opacity is a part of the 64 samples, chosen anew for every cell and pixel: in cells of a pixel closed surfaces
-    /// stay closed. In larger ones single sheets get holes.
+    /// Opacity becomes a part of the 64 samples, chosen anew for every cell and pixel: with cells of a pixel closed
+    /// surfaces stay closed, but with larger ones single sheets get holes.
     samples,
-    /// By the area law, transmittances on top of the masks: large cells of sheets leak a quarter as much, but where far
-    /// cells adjoin geometry within a pixel a closed surface is torn. For box-filtered images; others take `samples`.
+    /// Transmittances follow the area law on top of the masks: large cells of sheets leak a quarter as much, but closed
+    /// surfaces are torn where far cells adjoin geometry within a pixel. Without a box filter this means `samples`.
     area_law,
 };
 
-/// For as long as the view stays. What is called tile(TilePolygon&) is given `polygon` again and again, its depth set,
-/// and may write to its surface.
+}  // namespace farfield
+
+namespace farfield::detail {
+
+/// Valid as long as the view stays the same. tile(TilePolygon&) gets `polygon` again and again, with its depth set, and
+/// may write to its surface.
 template <class Tile>
 class FarPolygons {
   public:
-    FarPolygons(const SampleProjection& to, FarCoverage coverage, TilePolygon& polygon, const Tile& tile)
-        : to_(to), coverage_(coverage), polygon_(polygon), tile_(tile) {}
+    FarPolygons(const SampleProjection& projection, FarCoverage coverage, TilePolygon& polygon, const Tile& tile)
+        : projection_(projection), coverage_(coverage), polygon_(polygon), tile_(tile) {}
 
     void add(const Face& face) {
         if (face.rgba.a == 0) return;
-        ClippedPolygon clipped;
-        const int axis = face.side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-        for (int corner = 0; corner < 4; ++corner) {
-            glm::vec3 p = face.lower;
-            if (corner == 1 || corner == 2) p[u] = face.upper[u];
-            if (corner >= 2) p[v] = face.upper[v];
-            clipped.add(p, to_);
-        }
-        clipped.clip(to_);
         const float opacity = float(face.rgba.a) * (1 / 255.0f);
         const glm::vec3 rgb =
             glm::vec3(float(face.rgba.r), float(face.rgba.g), float(face.rgba.b)) * (1.0f / float(face.rgba.a));
         shade(rgb, opacity, law_of_opacity(opacity), hash_of_triangle(face.lower, face.upper, glm::vec3(face.side)));
-        for (std::size_t i = 2; i < clipped.size(); ++i) {
-            SnappedTriangle t;
-            const std::size_t from[3] = {0, i - 1, i};
-            for (unsigned c = 0; c < 3; ++c) clipped.snap(from[c], to_, t, c);
-            std::int64_t area = t.doubled_area();
-            if (area == 0) continue;
-            if (area < 0) t.flip(), area = -area;
+        for_triangles_of(face, projection_, [&](const SnappedTriangle& t, const DepthPlane& plane) {
             polygon_.set_triangle(t);
-            polygon_.surface.depth = DepthPlane(t, area);
+            polygon_.surface.depth = plane;
             tile_(polygon_);
-        }
+        });
     }
 
     void add(const Splat& splat) {
-        const glm::vec3 p = to_.project(splat.center);
-        if (!(p.z > to_.near_depth)) return;
-        const float inverse = to_.inverse_w(p.z);
-        const float x = p.x * inverse + to_.offset_x, y = p.y * inverse + to_.offset_y;
-        const glm::vec2 half = splat.size * (128.0f * to_.focal * inverse);
+        const glm::vec3 p = projection_.project(splat.center);
+        if (!(p.z > projection_.near_depth)) return;
+        const float inverse = projection_.inverse_w(p.z);
+        const float x = p.x * inverse + projection_.offset_x, y = p.y * inverse + projection_.offset_y;
+        const glm::vec2 half = splat.size * (128.0f * projection_.focal * inverse);
         const float guard = SampleProjection::guard_band * 256;
         if (!(x - half.x > -guard && x + half.x < guard && y - half.y > -guard && y + half.y < guard)) return;
         const glm::vec3 rgb = glm::vec3(float(splat.rgb.r), float(splat.rgb.g), float(splat.rgb.b)) * (1 / 255.0f);
         const auto law = AreaLaw(splat.rgb.a);
-        // A rectangle narrower than a sample would fall between samples: what it lacks in opacity it has in size.
+        // A rectangle narrower than a sample would fall between samples, so it grows and its opacity shrinks.
         const glm::vec2 grown = glm::max(half, glm::vec2(128));
         const float opacity = splat.opacity * (half.x * half.y) / (grown.x * grown.y);
         const std::int32_t left = snapped_to_256th(x - grown.x), right = snapped_to_256th(x + grown.x);
         const std::int32_t top = snapped_to_256th(y - grown.y), bottom = snapped_to_256th(y + grown.y);
         shade(rgb, opacity, law, hash_of_triangle(splat.center, splat.center, splat.center));
-        polygon_.set_rectangle(left, top, right, bottom, to_.q(p.z, inverse));
+        polygon_.set_rectangle(left, top, right, bottom, projection_.q(p.z, inverse));
         tile_(polygon_);
     }
 
@@ -92,23 +80,22 @@ class FarPolygons {
     void shade(glm::vec3 rgb, float opacity, AreaLaw law, std::uint32_t hash) {
         Surface& s = polygon_.surface;
         s = {};
-        s.is_solid = false;
         if (coverage_ == FarCoverage::area_law) {
-            s.is_deposit = s.is_background = true;
+            s.kind = SurfaceKind::deposit;
             s.colors.fill({0, 0, 0, 0});
             s.loss = loss_of_opacity(opacity, law);
             s.far_rgb = glm::min(rgb, glm::vec3(1));
         } else {
-            s.is_fraction = true;
+            s.kind = SurfaceKind::fraction;
             s.hash = hash;
             s.colors.fill(to_rgba8(glm::vec4(rgb, opacity)));
         }
     }
 
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     FarCoverage coverage_;
     TilePolygon& polygon_;
     Tile tile_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,5 +1,5 @@
-// From a hierarchy's polygons to convex ones on the screen, ready to be tiled: projected, snapped, turned clockwise,
-// lit, and clipped where they must be.
+// Turns a hierarchy's polygons into convex ones on the screen, ready to be tiled: projected, snapped, turned clockwise,
+// lit, and clipped if they must be.
 #pragma once
 
 #include <algorithm>
@@ -22,29 +22,29 @@
 #include "farfield/raster/shading.hpp"
 #include "farfield/raster/snapping.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// For as long as view and stream stay. `light` is in the stream's axes; null: colors as they are.
+/// Valid as long as view and stream stay the same. `light` is in the stream's axes; null leaves colors as they are.
 ///
-/// Tile says what becomes of polygons: tile(TilePolygon&), which is given `polygon` again and again and may write to
-/// its surface. Tile::needs_depth: whether the surface's depth is to be set. Tile::reach_of_samples: how far from its
-/// regular center a sample may be, 1/256 sample.
+/// Tile receives the polygons: tile(TilePolygon&) gets `polygon` again and again and may write to its surface.
+/// Tile::needs_depth says whether the surface's depth is to be set, Tile::reach_of_samples how far from its regular
+/// center a sample may be, in 1/256 sample.
 template <class Tile>
 class PolygonSetup {
   public:
-    PolygonSetup(const PolygonStream& stream, const SampleProjection& to, const DirectionalLight* light,
+    PolygonSetup(const PolygonStream& stream, const SampleProjection& projection, const DirectionalLight* light,
                  bool culls_back_faces, TilePolygon& polygon, const Tile& tile)
         : stream_(stream),
-          to_(to),
+          projection_(projection),
           light_(light),
           culls_back_faces_(culls_back_faces),
           polygon_(polygon),
           tile_(tile) {}
 
-    /// A record of the stream. Nothing is tiled where it holds no sample of the image or is turned away; triangles are
-    /// where snapping bends it or where it has to be clipped.
+    /// Draws a record of the stream. Nothing is tiled if it holds no sample of the image or is turned away; triangles
+    /// are tiled if snapping bends it or if it has to be clipped.
     void draw(const PolygonRecord& r) {
-        // Four corners side by side, as SampleProjection does one.
+        // Projects four corners side by side, as SampleProjection does one.
         typedef float Floats __attribute__((vector_size(16)));
         typedef std::int32_t Ints __attribute__((vector_size(16)));
         constexpr float guard = SampleProjection::guard_band * 256;
@@ -52,13 +52,15 @@ class PolygonSetup {
         std::memcpy(&dx, r.x, sizeof dx);
         std::memcpy(&dy, r.y, sizeof dy);
         std::memcpy(&dz, r.z, sizeof dz);
-        dx -= to_.eye.x, dy -= to_.eye.y, dz -= to_.eye.z;
-        const Floats depth = dx * to_.forward.x + dy * to_.forward.y + dz * to_.forward.z;
-        const Floats inverse = 1.0f / (depth * to_.depth_weight + to_.depth_bias);
-        const Floats x = (dx * to_.right.x + dy * to_.right.y + dz * to_.right.z) * inverse + to_.offset_x;
-        const Floats y = (dx * to_.down.x + dy * to_.down.y + dz * to_.down.z) * inverse + to_.offset_y;
-        const Floats q = inverse * to_.q_of_inverse + depth * to_.q_of_depth;
-        const Ints is_behind = depth < to_.near_depth;
+        dx -= projection_.eye.x, dy -= projection_.eye.y, dz -= projection_.eye.z;
+        const Floats depth = dx * projection_.forward.x + dy * projection_.forward.y + dz * projection_.forward.z;
+        const Floats inverse = 1.0f / (depth * projection_.depth_weight + projection_.depth_bias);
+        const Floats x = (dx * projection_.right.x + dy * projection_.right.y + dz * projection_.right.z) * inverse +
+                         projection_.offset_x;
+        const Floats y = (dx * projection_.down.x + dy * projection_.down.y + dz * projection_.down.z) * inverse +
+                         projection_.offset_y;
+        const Floats q = inverse * projection_.q_of_inverse + depth * projection_.q_of_depth;
+        const Ints is_behind = depth < projection_.near_depth;
         const Ints is_whole = ~is_behind & (x > -guard) & (x < guard) & (y > -guard) & (y < guard);
         if (!is_set(is_whole)) return is_set(is_behind) ? void() : draw_clipped(r);
         Corners corners;
@@ -79,7 +81,7 @@ class PolygonSetup {
     }
 
   private:
-    /// In all four lanes.
+    /// Whether all four lanes are set.
     template <class Ints>
     static bool is_set(const Ints& lanes) {
         std::uint64_t halves[2];
@@ -107,7 +109,7 @@ class PolygonSetup {
         const bool is_clockwise = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0 && turns[3] >= 0;
         const bool is_front = turns[0] <= 0 && turns[1] <= 0 && turns[2] <= 0 && turns[3] <= 0;
         if (is_clockwise == is_front) {
-            // Snapping bent it, or it is nothing: then both were 0 throughout.
+            // Snapping bent it, or both are true because all turns are 0 and nothing is left.
             if (is_front) return;
             draw_triangle(r, k, 0, 1, 2, colors);
             draw_triangle(r, k, 0, 2, 3, colors);
@@ -168,24 +170,25 @@ class PolygonSetup {
         constexpr int reach = Tile::reach_of_samples;
         const std::int32_t x0 = (low_x - reach + 127) >> 8, x1 = (high_x + reach - 128) >> 8;
         const std::int32_t y0 = (low_y - reach + 127) >> 8, y1 = (high_y + reach - 128) >> 8;
-        return x0 > x1 || y0 > y1 || x0 >= to_.end_x || y0 >= to_.end_y || x1 < to_.first_x || y1 < to_.first_y;
+        return x0 > x1 || y0 > y1 || x0 >= projection_.end_x || y0 >= projection_.end_y || x1 < projection_.first_x ||
+               y1 < projection_.first_y;
     }
 
-    /// Null colors: the record's one. Else four, in the order that corners had before they were turned clockwise: those
-    /// of the triangle, and one more that the surface has.
+    /// Null `colors` stand for the record's one. Otherwise there are four: those of the triangle, in the order of
+    /// corners before they were turned clockwise, and one more that the surface has.
     void shade(const PolygonRecord& r, bool is_front, const Rgba8* colors, const SnappedTriangle& clockwise) {
         Surface& s = polygon_.surface;
-        s.is_background = s.is_fraction = s.is_deposit = false;
-        s.is_perspective = to_.is_perspective;
+        s.is_perspective = projection_.is_perspective;
         s.is_flat = colors == nullptr;
         s.colors.fill(r.color);
-        s.is_solid = r.color.a == 255;
+        bool is_opaque = r.color.a == 255;
         if (colors != nullptr) {
             s.colors = {colors[0], colors[is_front ? 2 : 1], colors[is_front ? 1 : 2], colors[3]};
-            s.is_solid = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
+            is_opaque = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
         }
         const auto corner = [&](unsigned c) { return glm::vec3(r.x[c], r.y[c], r.z[c]); };
-        if (!s.is_solid) s.hash = hash_of_triangle(corner(0), corner(1), corner(2));
+        s.kind = is_opaque ? SurfaceKind::opaque : SurfaceKind::translucent;
+        if (!is_opaque) s.hash = hash_of_triangle(corner(0), corner(1), corner(2));
         if (light_ != nullptr) {
             const glm::vec3 n = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
             const float brightness = light_->brightness(is_front ? n : -n);
@@ -198,15 +201,15 @@ class PolygonSetup {
         const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream_.colors(r);
         ClippedPolygon clipped;
         for (unsigned c = 0; c < (r.is_triangle ? 3u : 4u); ++c) {
-            clipped.add({r.x[c], r.y[c], r.z[c]}, to_, colors == nullptr ? glm::vec4(0) : to_vec4(colors[c]));
+            clipped.add({r.x[c], r.y[c], r.z[c]}, projection_, colors == nullptr ? glm::vec4(0) : to_vec4(colors[c]));
         }
-        clipped.clip(to_);
+        clipped.clip(projection_);
         for (std::size_t i = 2; i < clipped.size(); ++i) {
             SnappedTriangle t;
             const std::size_t from[3] = {0, i - 1, i};
             Rgba8 corner_colors[4];
             for (unsigned c = 0; c < 3; ++c) {
-                clipped.snap(from[c], to_, t, c);
+                clipped.snap(from[c], projection_, t, c);
                 if (colors != nullptr) corner_colors[c] = to_rgba8(clipped[from[c]].color);
             }
             corner_colors[3] = corner_colors[2];
@@ -215,11 +218,11 @@ class PolygonSetup {
     }
 
     const PolygonStream& stream_;
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     const DirectionalLight* light_;
     bool culls_back_faces_;
     TilePolygon& polygon_;
     Tile tile_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,4 +1,4 @@
-// Polygons as the mask tiler wants them: in the hierarchy's order, four corners at a time.
+// Polygons in the layout of the mask tiler: in the hierarchy's order, four corners at a time.
 #pragma once
 
 #include <cstddef>
@@ -12,21 +12,21 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/renderer.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// A convex polygon of three or four corners, counter-clockwise seen from its front, in local coordinates; the fourth
-/// of a triangle is its third again. A cache line.
+/// A convex polygon of three or four corners, counter-clockwise seen from its front, in local coordinates, in one cache
+/// line. A triangle's fourth corner is its third again.
 struct alignas(64) PolygonRecord {
     static constexpr std::uint32_t flat = 0xffffffffu;
 
     float x[4], y[4], z[4];
     Rgba8 color;
-    std::uint32_t colors = flat;  ///< where its corners' colors are, if they differ
+    std::uint32_t colors = flat;  ///< index of its corners' colors if they differ
     bool is_triangle = false;
 };
 static_assert(sizeof(PolygonRecord) == 64);
 
-/// A source as records. Polygons of more corners come in parts, and so do those whose colors have no one gradient.
+/// A source as records. Polygons of more corners, or whose colors have no single gradient, are split.
 class PolygonStream {
   public:
     PolygonStream() = default;
@@ -47,22 +47,22 @@ class PolygonStream {
         }
     }
 
-    /// Of a stream that is filled by hand, polygon by polygon, every frame anew. Keeps its memory.
+    /// Empties a stream that is filled by add() every frame anew. Keeps its memory.
     void clear() {
         records_.clear();
         colors_.clear();
     }
-    /// Three vertices or more.
+    /// The polygon must have three vertices or more.
     void add(const Polygon& polygon) { append(polygon); }
     std::uint32_t size() const { return std::uint32_t(records_.size()); }
 
     const PolygonRecord& operator[](std::uint32_t record) const { return records_[record]; }
-    /// Positions to records.
+    /// The first record of the primitive at a position.
     std::uint32_t first_record(std::uint32_t position) const {
         return first_record_.empty() ? position : first_record_[position];
     }
-    /// That a position's records will be asked for soon: front-to-back orders jump about in memory. `far_ahead` for
-    /// where they are, later for the records themselves.
+    /// Prefetches a position's records, because front-to-back orders jump about in memory: `far_ahead` their index,
+    /// later the records themselves.
     void prefetch(std::uint32_t position, bool far_ahead) const {
         if (far_ahead) {
             __builtin_prefetch(first_record_.empty() ? static_cast<const void*>(&records_[position])
@@ -71,7 +71,7 @@ class PolygonStream {
             __builtin_prefetch(&records_[first_record(position)]);
         }
     }
-    /// Four, of a record whose corners differ.
+    /// The four colors of a record whose corners differ.
     const Rgba8* colors(const PolygonRecord& record) const { return &colors_[record.colors]; }
 
   private:
@@ -85,7 +85,7 @@ class PolygonStream {
             }
         }
         for (std::size_t i = 1; i + 1 < corners;) {
-            // Which samples a translucent triangle covers goes by the triangle (raster/shading.hpp).
+            // The samples that a translucent polygon covers are chosen by triangle (raster/shading.hpp).
             const bool is_triangle = !is_solid || i + 2 >= corners || !(is_flat || has_one_gradient(polygon, i));
             const std::size_t of[4] = {0, i, i + 1, is_triangle ? i + 1 : i + 2};
             i += is_triangle ? 1 : 2;
@@ -103,7 +103,7 @@ class PolygonStream {
         }
     }
 
-    /// Of corners 0, i, i + 1 and i + 2: whether the last has the color that the others make linearly, up to a step.
+    /// Whether corner i + 2 has, up to one step, the color that corners 0, i and i + 1 give linearly.
     static bool has_one_gradient(const Polygon& polygon, std::size_t i) {
         const glm::vec3 p = polygon.vertices[0];
         const glm::vec3 u = polygon.vertices[i] - p, v = polygon.vertices[i + 1] - p, w = polygon.vertices[i + 2] - p;
@@ -122,4 +122,4 @@ class PolygonStream {
     std::vector<std::uint32_t> first_record_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

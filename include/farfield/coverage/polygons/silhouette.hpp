@@ -18,17 +18,17 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/snapping.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Convex whatever rounding does: the hull of the snapped corners, in integers. Two corners or one where all of the box
-/// is snapped to a line or a point: of use to who asks with a polygon grown. Rejected: the table of outlines by the
-/// eye's region, whose corners rounding may turn inwards.
+/// The outline is the hull of the snapped corners, in integers, and so convex whatever rounding does. It has two
+/// corners or one if the whole box is snapped to a line or a point, which still serves a query that grows it. Rejected:
+/// the table of outlines by the eye's region, whose corners rounding may turn inwards.
 struct Silhouette {
     TilePolygon outline;
     BoxFronts fronts;
 
-    /// False where the box reaches behind the near plane or so far off the screen that it would have to be clipped.
-    bool project(glm::vec3 center, glm::vec3 half, const SampleProjection& to) {
+    /// Returns false if the box reaches behind the near plane or so far off the screen that it needs clipping.
+    bool project(glm::vec3 center, glm::vec3 half, const SampleProjection& projection) {
         std::array<Point, 8> points;
         const float guard = SampleProjection::guard_band * 256;
         float least_depth = 0;
@@ -36,22 +36,24 @@ struct Silhouette {
         for (unsigned corner = 0; corner < 8; ++corner) {
             const glm::vec3 side(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y,
                                  corner & 4 ? half.z : -half.z);
-            const glm::vec3 p = to.project(center + side);
-            if (!(p.z > to.near_depth)) return false;
-            const float inverse = to.inverse_w(p.z), x = p.x * inverse + to.offset_x, y = p.y * inverse + to.offset_y;
+            const glm::vec3 p = projection.project(center + side);
+            if (!(p.z > projection.near_depth)) return false;
+            const float inverse = projection.inverse_w(p.z), x = p.x * inverse + projection.offset_x,
+                        y = p.y * inverse + projection.offset_y;
             if (!(x > -guard && x < guard && y > -guard && y < guard)) return false;
             points[corner] = {snapped_to_256th(x), snapped_to_256th(y)};
             low = corner == 0 ? glm::vec2(x, y) : glm::min(low, glm::vec2(x, y));
             high = corner == 0 ? glm::vec2(x, y) : glm::max(high, glm::vec2(x, y));
             least_depth = corner == 0 ? p.z : std::min(least_depth, p.z);
         }
-        // A box is nowhere nearer than its nearest corner, but for rounding, which goes by what depths are sums of.
-        const float rounding = glm::dot(glm::abs(to.forward), glm::abs(center - to.eye) + half) * 0x1p-20f +
-                               std::abs(least_depth) * 0x1p-18f;
-        const float depth = std::max(least_depth - rounding, to.near_depth);
-        const float nearest_q = to.q(depth, to.inverse_w(depth));
-        const float rounding_q = nearest_q - to.q(least_depth, to.inverse_w(least_depth));
-        fronts = BoxFronts(center, half, to, {low, high}, nearest_q, rounding_q);
+        // A box is nowhere nearer than its nearest corner, up to rounding, which grows with the terms of a depth.
+        const float rounding =
+            glm::dot(glm::abs(projection.forward), glm::abs(center - projection.eye) + half) * 0x1p-20f +
+            std::abs(least_depth) * 0x1p-18f;
+        const float depth = std::max(least_depth - rounding, projection.near_depth);
+        const float nearest_q = projection.q(depth, projection.inverse_w(depth));
+        const float rounding_q = nearest_q - projection.q(least_depth, projection.inverse_w(least_depth));
+        fronts = BoxFronts(center, half, projection, {low, high}, nearest_q, rounding_q);
 
         // A. M. Andrew, "Another efficient algorithm for convex hulls in two dimensions", 1979.
         std::sort(points.begin(), points.end());
@@ -89,4 +91,4 @@ struct Silhouette {
     };
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,4 +1,4 @@
-// What is seen of a polygon at a sample that lies on it: depth, color, and whether it is there at all.
+// What a sample on a polygon sees of it: depth, color, and whether it is there at all.
 #pragma once
 
 #include <array>
@@ -11,81 +11,94 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/shading.hpp"
+#include "farfield/raster/simd.hpp"
 
 namespace farfield {
 
+/// How a surface covers the samples that it lies on. Surface::covers_all() and covers_some() rely on the order.
+enum class SurfaceKind : std::uint8_t {
+    opaque,       ///< covers all; alpha is 255 everywhere
+    background,   ///< covers all and keeps its alpha, whatever that is
+    deposit,      ///< far field: covers none, but takes `loss` of what comes from behind
+    fraction,     ///< far field: covers the part of a pixel's samples that alpha of colors[0] says
+    translucent,  ///< covers the samples that a hash of sample and polygon chooses by alpha
+};
+
 /// Samples are addressed relative to the image's center sample, as everywhere in raster/.
 struct Surface {
-    DepthPlane depth;
-    std::array<Rgba8, 4> colors;  ///< at corners; all the same where it is flat
-    SnappedTriangle triangle{};   ///< the first three corners where it is not flat, clockwise
-    ColorGradient gradient{};     ///< likewise, once find_gradient() was called
-    std::uint32_t hash = 0;       ///< chooses samples where alpha is below 255
-    bool is_flat = true;          ///< of one color
-    bool is_solid = true;         ///< alpha is 255 everywhere: covers every sample that it lies on
-    bool is_perspective = true;
-    /// Part of the far field: alpha of colors[0] is the part of a pixel's samples to cover, their number is exact.
-    bool is_fraction = false;
-    /// Part of the far field that is deposited instead: covers nothing, takes this part of what comes from behind.
-    bool is_deposit = false;
-    Loss loss{};
-    glm::vec3 far_rgb{0};        ///< in [0, 1], not premultiplied
-    bool is_background = false;  ///< keeps its alpha, and covers whatever that is
+    detail::DepthPlane depth;
+    std::array<Rgba8, 4> colors;         ///< at corners; all the same where it is flat
+    detail::SnappedTriangle triangle{};  ///< the first three corners where it is not flat, clockwise
+    detail::ColorGradient gradient{};    ///< where it is not flat, once find_gradient() was called
+    std::uint32_t hash = 0;              ///< chooses samples of a fraction and of a translucent surface
+    SurfaceKind kind = SurfaceKind::opaque;
+    bool is_flat = true;         ///< has one color
+    bool is_perspective = true;  ///< how colors are interpolated
+    Loss loss{};                 ///< a deposit's
+    glm::vec3 far_rgb{0};        ///< a deposit's, in [0, 1], not premultiplied
 
-    [[gnu::always_inline]] void find_gradient() { gradient = ColorGradient(triangle, colors, is_perspective); }
+    FARFIELD_INLINE bool covers_all() const { return kind <= SurfaceKind::background; }
+    FARFIELD_INLINE bool covers_some() const { return kind >= SurfaceKind::fraction; }
+    FARFIELD_INLINE bool is_deposit() const { return kind == SurfaceKind::deposit; }
 
-    /// What a sample that shows the surface shows: alpha has chosen the samples, and is spent.
-    [[gnu::always_inline]] Rgba8 seen_color() const { return seen(colors[0]); }  ///< where it is flat
+    FARFIELD_INLINE void find_gradient() { gradient = detail::ColorGradient(triangle, colors, is_perspective); }
+
+    /// The color of a sample that shows the surface: opaque, because alpha has already chosen the samples.
+    FARFIELD_INLINE Rgba8 seen_color() const { return seen(colors[0]); }  ///< where it is flat
     Rgba8 seen_color_at(int x, int y) const { return seen(color_at(x, y)); }
-    /// One for the 8 x 8 samples of a pixel, the first of which is (x, y), as if the surface went on beyond its
+    /// One color for the 8 x 8 samples of a pixel, the first of which is (x, y), as if the surface went on beyond its
     /// corners: "for each visible fragment, a single shading value is computed" (Greene 1996, section 2.2).
-    [[gnu::always_inline]] Rgba8 seen_color_of_pixel(int x, int y) const { return seen(color_of_pixel(x, y)); }
+    FARFIELD_INLINE Rgba8 seen_color_of_pixel(int x, int y) const { return seen(color_of_pixel(x, y)); }
 
-    /// Likewise of eight pixels in a row.
-    [[gnu::always_inline]] std::array<Rgba8, 8> seen_colors_of_pixels(int x, int y) const {
+    /// The same for eight pixels in a row.
+    FARFIELD_INLINE std::array<Rgba8, 8> seen_colors_of_pixels(int x, int y) const {
         auto eight = gradient.eight_pixels(float(x) + 4, float(y) + 4);
         for (Rgba8& c : eight) c = seen(c);
         return eight;
     }
 
-    /// Of 8 x 8 samples those that a translucent surface covers: see covered_by_hash.
+    /// Those of 8 x 8 samples that a fraction or a translucent surface covers: see covered_by_hash.
     std::uint64_t hashed_samples(int x, int y, bool shades_samples) const {
-        if (is_fraction) return scattered_samples(colors[0].a, hash, x, y);
+        if (kind == SurfaceKind::fraction) return detail::scattered_samples(colors[0].a, hash, x, y);
         std::uint64_t mask = 0;
         const Rgba8 one = color_of_pixel(x, y);
         for (unsigned k = 0; k < 64; ++k) {
             const int i = x + int(k % 8), j = y + int(k / 8);
             const Rgba8 c = shades_samples ? color_at(i, j) : one;
-            if (c.a == 255 || covered_by_hash(i, j, hash, c.a)) mask |= std::uint64_t(1) << k;
+            if (c.a == 255 || detail::covered_by_hash(i, j, hash, c.a)) mask |= std::uint64_t(1) << k;
         }
         return mask;
     }
 
   private:
-    [[gnu::always_inline]] Rgba8 color_of_pixel(int x, int y) const {
+    FARFIELD_INLINE Rgba8 color_of_pixel(int x, int y) const {
         return is_flat ? colors[0] : gradient.pixel(float(x) + 4, float(y) + 4);
     }
     Rgba8 color_at(int x, int y) const {
         if (is_flat) return colors[0];
         const Rgba8 corners[3] = {colors[0], colors[1], colors[2]};
-        return ColorPlane(triangle, triangle.doubled_area(), is_perspective).at(x, y, corners);
+        return detail::ColorPlane(triangle, triangle.doubled_area(), is_perspective).at(x, y, corners);
     }
-    [[gnu::always_inline]] Rgba8 seen(Rgba8 c) const {
-        if (!is_background) c.a = 255;
+    FARFIELD_INLINE Rgba8 seen(Rgba8 c) const {
+        if (kind != SurfaceKind::background && kind != SurfaceKind::deposit) c.a = 255;
         return c;
     }
 };
 
-/// A convex polygon ready to be tiled, on the screen: clockwise, rows running downwards.
+}  // namespace farfield
+
+namespace farfield::detail {
+
+/// A convex polygon on the screen, ready to be tiled: clockwise, rows running downwards.
 struct TilePolygon {
-    /// A silhouette of a box has six, a quadrilateral cut by the near plane and the guard band nine and comes in parts.
+    /// A box's silhouette has six; a quadrilateral cut by the near plane and the guard band has nine and is split.
     static constexpr int most_corners = 6;
 
     int corners = 0;
     std::array<std::int32_t, most_corners> x, y;  ///< 1/256 sample, relative to the center sample, below 2^22
     Surface surface{};
 
-    /// Clockwise. Depth is left to the caller, who may not need it.
+    /// Takes a clockwise triangle. Depth is left to the caller, who may not need it.
     void set_triangle(const SnappedTriangle& t) {
         corners = 3;
         for (unsigned c = 0; c < 3; ++c) {
@@ -93,7 +106,7 @@ struct TilePolygon {
             y[c] = t.y[c];
         }
     }
-    /// Upright, square to the view.
+    /// Makes an upright rectangle that faces the view.
     void set_rectangle(std::int32_t left, std::int32_t top, std::int32_t right, std::int32_t bottom, float q) {
         corners = 4;
         x = {left, right, right, left};
@@ -102,4 +115,4 @@ struct TilePolygon {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,16 +1,16 @@
-// What is known of depth in cells of the pyramid: q of the farthest thing that is seen in each subcell, and whether a
-// polygon or a box lies behind that. Lazy z-buffering needs it (Greene 1996, section 6.1): what is covered may still
-// turn out to be hidden. Once for each instruction set: see coverage_tiler.inl.
+// Depth in cells of the pyramid: q of the farthest thing that is seen in each subcell, and whether a polygon or a box
+// lies behind that. Lazy z-buffering needs it (Greene 1996, section 6.1), because covered things may still turn out to
+// be hidden. Compiled once for each instruction set: see coverage_tiler.inl.
 
-/// q of a plane over the samples of each subcell. Sums are monotonic, rounding included: so these are exactly the least
-/// and the greatest of what DepthPlane::at gives for those samples.
+/// The range of a plane's q over the samples of each subcell. Sums are monotonic, rounding included, so these are
+/// exactly the least and the greatest value that DepthPlane::at gives for those samples.
 struct Extremes {
     alignas(32) float low_columns[8], high_columns[8];
     float low_rows[8], high_rows[8];
 
     void find(const DepthPlane& d, int x0, int y0, int step) {
         const int low_x = d.by_x > 0 ? 0 : step - 1, low_y = d.by_y > 0 ? 0 : step - 1;
-        // As DepthPlane's row() and column(), eight at a time.
+        // The same as DepthPlane's row() and column(), eight at a time.
         const auto at = MaskKernel::EightFloats{0, 1, 2, 3, 4, 5, 6, 7} * float(step);
         auto q = d.by_x * (at + float(x0 + low_x) + d.base_x);
         __builtin_memcpy(low_columns, &q, sizeof q);
@@ -23,33 +23,33 @@ struct Extremes {
     }
 };
 
-/// In lazy mode, for something that has, at no sample, a larger q than any of its planes: a polygon has one, a box its
-/// fronts.
+/// Lazy mode, for something whose q is, at each sample, at most that of any of its planes: a polygon has one plane, a
+/// box its fronts.
 template <class Target>
 class LazyCells {
   public:
     LazyCells(Target& target, const DepthPlane* planes, int plane_count)
         : target_(target), pyramid_(target.pyramid), planes_(planes), plane_count_(plane_count) {}
 
-    /// It will be drawn; forget(): nothing of it was.
+    /// Keeps the surface, which is about to be drawn; forget() takes that back if nothing of it was.
     void add(const Surface& surface) { index_ = target_.lazy.add(surface); }
     void forget() { target_.lazy.forget_last_surface(); }
     std::uint32_t surface_index() const { return index_; }
 
     // --- whether it lies behind all that is seen
 
-    /// Of some subcells of a cell those of which it does; of others any answer.
+    /// The subcells of a cell in which it does. Bits of vacant subcells mean nothing.
     std::uint64_t behind(std::size_t cell, int level, int x, int y) const {
         return behind(level, x, y, target_.lazy.farthest(cell).q.data());
     }
-    /// Likewise, of one plane, whose extremes in the cell are found, too.
+    /// The same for one plane and some subcells; also finds the plane's extremes in the cell.
     std::uint64_t behind(std::uint64_t subcells, std::size_t cell, int level, int x, int y, Extremes& extremes) const {
         find_extremes(*planes_, level, x, y, extremes);
         if (subcells == 0) return all_subcells;
         return MaskKernel::plane_below(extremes.high_rows, extremes.high_columns, planes_->lowest, planes_->highest,
                                        target_.lazy.farthest(cell).q.data());
     }
-    /// Likewise, of those of a few masks of a block.
+    /// The same for a few masks of a block.
     std::uint64_t few_behind(std::uint64_t masks, std::size_t block, int x, int y, Extremes& extremes) const {
         const DepthPlane& d = *planes_;
         find_extremes(d, 1, x, y, extremes);
@@ -71,11 +71,11 @@ class LazyCells {
         }
         return behind;
     }
-    /// Subcell k of a cell: (x, y) of all of its level, whose cells have 8^level samples a side.
+    /// The same for subcell k of a cell, which is (x, y) among all of its level, 8^level samples a side.
     bool is_behind(std::size_t cell, unsigned k, int level, int x, int y) const {
         return is_behind(level, x, y, target_.lazy.farthest(cell).q[k]);
     }
-    /// Subcells of a cell of which it lies behind one surface that covers all of the cell.
+    /// The subcells of a cell in which it lies behind one surface that covers the whole cell.
     std::uint64_t behind_surface(const DepthPlane& one, int level, int x, int y) const {
         Extremes extremes;
         find_extremes(one, level, x, y, extremes);
@@ -88,18 +88,18 @@ class LazyCells {
 
     // --- what is known
 
-    /// Nothing has been drawn into a block.
+    /// Resets a block into which nothing has been drawn.
     void open(std::size_t block) { target_.lazy.open(block); }
-    /// Its one plane is seen in some subcells.
+    /// Records that its one plane is seen in some subcells.
     void lower(std::size_t cell, std::uint64_t subcells, const Extremes& extremes) {
         lower(*planes_, cell, subcells, extremes);
     }
-    /// Likewise, somewhere in subcell k: it is not known where.
+    /// Records that it is seen somewhere in subcell k, not known where.
     void lower_somewhere(std::size_t cell, unsigned k) {
         float& farthest = target_.lazy.farthest(cell).q[k];
         farthest = std::min(farthest, planes_->lowest);
     }
-    /// What was farthest may have been hidden since: a covered cell knows better.
+    /// The farthest thing of a subcell may have been hidden since; if its cell is covered, that knows the depth better.
     void raise(std::size_t parent, unsigned k, std::size_t cell) {
         if (!pyramid_.is_covered(cell) || target_.lazy.block(cell).covered_by != LazyDepth::none) return;
         const auto& q = target_.lazy.farthest(cell).q;
@@ -109,25 +109,23 @@ class LazyCells {
             __builtin_memcpy(&next, q.data() + 8 * j, sizeof next);
             least = next < least ? next : least;
         }
-        float& farthest = target_.lazy.farthest(parent).q[k];
-        farthest = least[0];
-        for (int i = 1; i < 8; ++i) farthest = std::min(farthest, least[i]);
+        target_.lazy.farthest(parent).q[k] = MaskKernel::least_of(least);
     }
 
     // --- cells that one surface has covered all at once
 
-    /// Its own one.
+    /// Records that this surface covers the cell.
     void cover(std::size_t cell) { target_.lazy.block(cell).covered_by = index_; }
-    /// Null: none has.
+    /// The plane of the surface that covered the cell, or null if none has.
     const DepthPlane* cover_of(std::size_t cell) const {
         const std::uint32_t index = target_.lazy.block(cell).covered_by;
         return index == LazyDepth::none ? nullptr : &target_.lazy.depth(index);
     }
-    /// Of a covered cell: then it knows nothing but that. Of another: whether nothing has been drawn there.
+    /// Whether the cell has no record of its own: one surface covered it at once, or nothing has been drawn there.
     bool is_covered_by_one(std::size_t cell) const {
         return target_.lazy.block(cell).covered_by != LazyDepth::none || pyramid_.is_untouched(cell);
     }
-    /// What covered a cell all at once is said to the cells below.
+    /// Passes the surface that covered a cell all at once to the cells below.
     void push_down(int level, int x, int y) {
         const std::size_t cell = pyramid_.index(level, x, y);
         const std::uint32_t index = target_.lazy.block(cell).covered_by;
@@ -161,7 +159,7 @@ class LazyCells {
         }
         return false;
     }
-    /// A ray is in a box no earlier than behind the last of its fronts.
+    /// A ray enters a box only behind the last of its fronts, so any front may hide it.
     std::uint64_t behind(int level, int x, int y, const float* farthest) const {
         std::uint64_t behind = 0;
         for (const DepthPlane* d = planes_; d != planes_ + plane_count_; ++d) {
@@ -185,10 +183,10 @@ class LazyCells {
     CoveragePyramid& pyramid_;
     const DepthPlane* planes_;
     int plane_count_;
-    std::uint32_t index_ = 0;  ///< of the surface
+    std::uint32_t index_ = 0;  ///< the surface's
 };
 
-/// Front to back, what is covered hides, and nothing else is known.
+/// Strict mode: front to back, covered subcells hide whatever comes, and nothing else is known.
 template <class Target>
 class StrictCells {
   public:

@@ -1,17 +1,18 @@
-// Whether anything of a polygon's bounding box, or of a box's silhouette, may be seen (Greene 1996, sections 4.3
-// and 5.2), once for each instruction set: see coverage_tiler.inl.
+// Tells whether any part of a polygon's bounding box, or of a box's silhouette, may be seen (Greene 1996, sections 4.3
+// and 5.2). Compiled once for each instruction set: see coverage_tiler.inl.
 
 struct StartCell {
     int level, x, y;
 };
 
 /// "We first determine whether its bounding box is visible. If this procedure fails to prove that the polygon is
-/// hidden, we then tile it into the smallest enclosing cell" (section 4.3): here the smallest cells of which two by two
-/// enclose it, so that lying on a large cell's border costs nothing. None: hidden, or no sample in its box.
+/// hidden, we then tile it into the smallest enclosing cell" (section 4.3). Here it is the smallest cells of which two
+/// by two enclose it, so that lying on a large cell's border costs nothing. There are none if it is hidden or its box
+/// holds no sample.
 template <class Target>
 class StartCells {
   public:
-    /// `is_small`: triage is not worth it.
+    /// `is_small` says that triage is not worth its cost.
     StartCells(const Target& target, const TileBox& box, const CellDepths<Target>& depths, bool is_small)
         : pyramid_(target.pyramid), box_(box), depths_(depths), is_small_(is_small) {
         if (box.x0 > box.x1 || box.y0 > box.y1) return;
@@ -38,10 +39,10 @@ class StartCells {
     const StartCell* end() const { return cells_.data() + count_; }
 
   private:
-    /// Returns the level to begin at instead, if that is another.
+    /// Returns the level to begin at, which may be another.
     int choose(int level, int x, int y) {
         const std::size_t cell = pyramid_.index(level, x, y);
-        // A parent covered all at once has not told the cells below.
+        // A parent that was covered all at once has not updated the cells below.
         const bool is_told = !depths_.is_covered_by_one(cell);
         for (int up = level + 1, px = x, py = y; !is_told && up <= pyramid_.top_level(); ++up, px >>= 3, py >>= 3) {
             const std::size_t parent = pyramid_.index(up, px >> 3, py >> 3);
@@ -69,7 +70,7 @@ class StartCells {
 };
 
 /// "Returning TRUE whenever a polygon's mask indicates that it covers a vacant subcell or a vacant grid point"
-/// (section 5.2). A subcell that is covered, but not by something nearer throughout, counts as one where it is seen.
+/// (section 5.2). A subcell that is covered, but not by something nearer throughout, counts as seen.
 template <class Target>
 class CoverageQuery {
     using Edges = typename TileEdges<Target>::Edges;
@@ -102,7 +103,7 @@ class CoverageQuery {
         const std::uint64_t behind = pyramid_.is_untouched(at) ? all_subcells : depths_.behind(at, level, x, y);
         const std::uint64_t possible = t.possible & ~(cell.covered & behind);
         if (possible == 0) return false;
-        // A subcell that is covered, but not by something nearer throughout, has to be looked into.
+        // Subcells that are covered, but not by something nearer throughout, have to be looked into.
         if ((possible & t.covered & ~cell.covered) != 0) return true;
         if (level == 1 && (possible & cell.covered) != 0) return true;
         const std::uint64_t* masks = level == 1 ? pyramid_.samples_of_block(at) : nullptr;
@@ -129,7 +130,7 @@ class CoverageQuery {
         return false;
     }
 
-    /// Of a cell that one surface covers all of. Down to masks: a little of one counts as seen.
+    /// Searches a cell that one surface covers entirely, down to masks: a part of one counts as seen.
     bool sees_before(const DepthPlane& one, int level, int x, int y, const Edges& in) {
         target_.work.asks(level, x, y);
         Triage t;

@@ -1,8 +1,8 @@
-// Hierarchical polygon tiling: Warnock subdivision driven by masks (Greene 1996, sections 3.1, 4.3 and listing 1), and
-// lazy z-buffering on top of it (6.1).
+// Tiles polygons hierarchically: Warnock subdivision driven by masks (Greene 1996, sections 3.1, 4.3 and listing 1),
+// with lazy z-buffering on top (6.1).
 //
-// The same source is compiled for no, four, eight and sixteen lanes; the widest that the processor has is taken at run
-// time. All give the same masks, and so the same picture. Its parts are listed in coverage_tiler.inl.
+// The same source is compiled for one, four, eight and sixteen lanes; the widest that the processor has is chosen at
+// run time. All give the same masks, and so the same picture. Its parts are listed in coverage_tiler.inl.
 #pragma once
 
 #if defined(__x86_64__)
@@ -31,20 +31,20 @@
 
 namespace farfield {
 
-/// In which order polygons come.
+/// The order in which polygons come.
 enum class CoverageOrder : std::uint8_t {
     strict,  ///< front to back: what is covered stays as it is
-    lazy,    ///< any; nearly front to back costs little more than that
+    lazy,    ///< any; nearly front to back costs little more than strict
 };
 
-/// Where the masks of edges come from.
+/// The source of edges' masks.
 enum class MaskSource : std::uint8_t {
     exact,     ///< integer edge functions, many samples at a step
     table,     ///< the paper's table of quantized edges (edge_mask_table.hpp): no faster, and off by some samples
-    jittered,  ///< exact, samples placed at random within their squares (jitter.hpp); depth is that of the centers
+    jittered,  ///< exact, with samples at random in their squares (jitter.hpp); depth is that of the centers
 };
 
-/// What a tiler is made of. Derive from one of these and hide what is to be different.
+/// The parts of a tiler. Derive from one of these and hide the members that are to differ.
 struct LazyCoverage {
     static constexpr CoverageOrder order = CoverageOrder::lazy;
     static constexpr MaskSource masks = MaskSource::exact;
@@ -56,13 +56,17 @@ struct StrictCoverage : LazyCoverage {
     static constexpr CoverageOrder order = CoverageOrder::strict;
 };
 
-/// What polygons are tiled into.
+}  // namespace farfield
+
+namespace farfield::detail {
+
+/// The buffers that polygons are tiled into.
 template <class Traits>
 struct CoverageTarget {
     using samples_type = typename Traits::samples;
     static constexpr bool is_lazy = Traits::order == CoverageOrder::lazy;
     static constexpr MaskSource masks = Traits::masks;
-    /// How far from its regular center a sample may be, 1/256 sample.
+    /// How far from its regular center a sample may be, in 1/256 sample.
     static constexpr int reach_of_samples = masks == MaskSource::jittered ? 128 : 0;
     struct Nothing {
         void begin(const CoveragePyramid&) {}
@@ -88,7 +92,7 @@ struct CoverageTarget {
         return {pyramid.index(1, x, y), x, y, 64 * x + first_x, 64 * y + first_y};
     }
 
-    /// After all samples have come.
+    /// Writes the picture, after all samples have come.
     void resolve(Image& image) {
         if constexpr (is_lazy) {
             const auto columns = std::size_t(pyramid.columns(1));
@@ -131,13 +135,13 @@ namespace sixteen_lanes {
 FARFIELD_END_LANES
 #endif
 
-/// The tiler for one target, as functions of one instruction set.
+/// The tiler for one target, as functions compiled for one instruction set.
 template <class Target>
 struct CoverageTiler {
-    /// Tiles what is seen of a polygon, whose gradient it makes where it has to; false: nothing was.
+    /// Tiles the visible part of a polygon, finding its gradient if needed. Returns false if nothing is visible.
     bool (*tile)(Target&, TilePolygon&);
-    /// Whether anything in the box might be seen: "stopping if a visible sample is found" (section 5.2). Its silhouette
-    /// is grown by this many 1/256 samples.
+    /// Whether anything in the box might be seen: "stopping if a visible sample is found" (section 5.2). The silhouette
+    /// is grown by `grown_by` / 256 samples.
     bool (*is_seen)(Target&, const Silhouette&, int grown_by);
 
     explicit CoverageTiler(Simd simd) : tile(&one_lane::tile<Target>), is_seen(&one_lane::is_seen<Target>) {
@@ -152,4 +156,4 @@ struct CoverageTiler {
     }
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

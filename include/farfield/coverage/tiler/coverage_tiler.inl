@@ -1,7 +1,8 @@
-// Tiling: listing 1 of Greene 1996, once for each instruction set: see coverage_tiler.hpp. No include guards, here and
-// in the parts; they expect FARFIELD_LANES (1, 4, 8 or 16) and to stand inside a namespace of their own.
+// Tiling by listing 1 of Greene 1996; compiled once for each instruction set, see coverage_tiler.hpp. There are no
+// include guards, here and in the parts; FARFIELD_LANES must be 1, 4, 8 or 16, and the including namespace is for them
+// alone.
 
-// Each needs some of those before it.
+// Each part needs some of those before it.
 // clang-format off
 #include "farfield/coverage/tiler/mask_kernel.inl"     // sixty-four comparisons to a mask
 #include "farfield/coverage/tiler/tile_edges.inl"      // a polygon's bounding box, its edges, and triage of cells by them
@@ -13,7 +14,7 @@
 template <class Target>
 using BlockMasks = std::conditional_t<Target::is_lazy, LazyMasks<Target>, StrictMasks<Target>>;
 
-/// Recursion from the cells that enclose a polygon down to masks of samples.
+/// Recurses from the cells that enclose a polygon down to masks of samples.
 template <class Target>
 class Tiler : BlockMasks<Target> {
     using Masks = BlockMasks<Target>;
@@ -29,7 +30,7 @@ class Tiler : BlockMasks<Target> {
         const StartCells<Target> start(target_, edges_.box, depths_, is_small);
         if (start.empty()) return false;
         ++target_.work.polygons_tiled;
-        // Not before: of two polygons one is hidden.
+        // About half of all polygons are hidden; delay this work.
         if (!surface_.is_flat) surface_.find_gradient();
         edges_.prepare(0);
         if (!is_small) edges_.tabulate();
@@ -58,12 +59,12 @@ class Tiler : BlockMasks<Target> {
         Triage t;
         if (!edges_.triage(level, x, y, in, t)) return false;
         const std::size_t at = pyramid_.index(level, x, y);
-        // By reference: a copy of both words at once would wait for the two stores before it.
+        // A reference, because a copy of both words at once would wait for the two stores before it.
         TriageMask& cell = pyramid_[at];
         Extremes extremes;
         const std::uint64_t hidden =
             cell.covered & depths_.behind(t.possible & ~cell.vacant, at, level, x, y, extremes);
-        const std::uint64_t whole = surface_.is_solid ? cell.vacant & t.covered : no_subcells;
+        const std::uint64_t whole = surface_.covers_all() ? cell.vacant & t.covered : no_subcells;
         cell.covered |= whole;
         cell.vacant &= ~whole;
         for (std::uint64_t left = whole; left != 0; left &= left - 1) {
@@ -90,7 +91,7 @@ class Tiler : BlockMasks<Target> {
         return drew;
     }
 
-    /// All samples of a vacant cell.
+    /// Covers all samples of a vacant cell.
     void cover_cell(int level, int x, int y) {
         depths_.cover(pyramid_.index(level, x, y));
         const int shift = 3 * (level - 1);
@@ -129,11 +130,11 @@ class Tiler : BlockMasks<Target> {
         open_block(x, y);
         TriageMask& cell = *block_.cell;
         block_.behind = depths_.behind(t.possible & ~cell.vacant, block_.index, 1, x, y, block_.extremes);
-        const std::uint64_t whole = surface_.is_solid ? cell.vacant & t.covered : no_subcells;
+        const std::uint64_t whole = surface_.covers_all() ? cell.vacant & t.covered : no_subcells;
         const std::uint64_t active = t.possible & ~(cell.covered & block_.behind) & ~whole;
         if ((whole | active) == 0) return false;
         if (block_.is_untouched) {
-            // A block that is all of the image has no parent that would know its depth.
+            // A block that is the whole image has no parent that would know its depth.
             if (whole == cell.vacant && (!Target::is_lazy || pyramid_.top_level() > 1)) {
                 cover_cell(1, x, y);
                 cell = {all_subcells, no_subcells};
@@ -148,7 +149,7 @@ class Tiler : BlockMasks<Target> {
         return block_.drew;
     }
 
-    /// All masks that the bounding box touches, each by all edges. The polygon is so small that 32 bits suffice.
+    /// Tiles all masks that the bounding box touches, each by all edges. The polygon is so small that 32 bits suffice.
     bool tile_few_masks(int x, int y) {
         target_.work.tiles(1, x, y);
         open_block(x, y);
@@ -182,7 +183,7 @@ class Tiler : BlockMasks<Target> {
         Masks::add_whole(whole);
     }
 
-    /// By how many edges cross them: for large polygons nearly all masks have one, and in a mesh many have none.
+    /// Groups masks by how many edges cross them: in large polygons nearly all have one, and in a mesh many have none.
     void tile_masks(const Triage& t, std::uint64_t active) {
         target_.work.tiles_masks(block_.x, block_.y, active, MaskKernel::count(active));
         std::uint64_t crossed = 0, several = 0;
@@ -209,7 +210,7 @@ class Tiler : BlockMasks<Target> {
 
     /// "W = P & ~C; C' = C | P" (section 3).
     FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
-        if (!surface_.is_solid && !surface_.is_deposit) inside &= hashed_samples(k);
+        if (surface_.covers_some()) inside &= hashed_samples(k);
         const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
         const std::uint64_t covered = is_vacant ? block_.samples_outside(pyramid_, k) : Masks::covered(k);
         if (Masks::tile_overlap(k, inside, covered, is_vacant)) return;

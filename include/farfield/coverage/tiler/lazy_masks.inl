@@ -1,6 +1,6 @@
-// Masks of samples under lazy z-buffering (Greene 1996, section 6.1): which fragments a mask shows is remembered, and
-// where polygons overlap that do not come front to back it reverts to a z-buffer, for good. Once for each instruction
-// set: see coverage_tiler.inl.
+// Masks of samples under lazy z-buffering (Greene 1996, section 6.1): a mask remembers which fragments it shows, and
+// where polygons overlap that do not come front to back it reverts to a z-buffer, for good. Compiled once for each
+// instruction set: see coverage_tiler.inl.
 
 /// The block of 8 x 8 masks that is being tiled.
 struct OpenBlock : MaskBlock {
@@ -8,7 +8,7 @@ struct OpenBlock : MaskBlock {
     std::uint64_t* masks = nullptr;
     bool drew = false, is_untouched = false;
     std::uint64_t behind = all_subcells;  ///< where the polygon lies behind all that is seen
-    // Lazy mode only.
+    // These are for lazy mode only.
     std::uint64_t lowered = no_subcells;  ///< where the polygon may be the farthest that is seen
     Extremes extremes;
 
@@ -25,7 +25,7 @@ struct OpenBlock : MaskBlock {
     }
 };
 
-/// Masks of a block, for polygons that come front to back: they tell all.
+/// The masks of a block in strict mode: front to back, they tell all.
 template <class Target>
 class StrictMasks {
   protected:
@@ -45,7 +45,7 @@ class StrictMasks {
     OpenBlock block_;
 };
 
-/// Likewise, in any order.
+/// The masks of a block in lazy mode, for polygons in any order.
 template <class Target>
 class LazyMasks : protected StrictMasks<Target> {
   protected:
@@ -54,15 +54,16 @@ class LazyMasks : protected StrictMasks<Target> {
 
     using Base::Base;
 
-    /// Samples that are: masks that were covered with others at once are not written.
+    /// The samples of mask k that are covered. Masks that were covered together with others are not written.
     std::uint64_t covered(unsigned k) const {
         return (block_.cell->covered >> k & 1) != 0 ? all_subcells : block_.masks[k];
     }
 
-    /// False: nothing of it comes before what the mask shows, so that masks can tell what is seen, as in strict order.
+    /// Takes care of mask k if the polygon is deposited or may lie before anything the mask shows. Otherwise returns
+    /// false: the mask alone then tells what is seen, as in strict order.
     FARFIELD_INLINE bool tile_overlap(unsigned k, std::uint64_t inside, std::uint64_t covered, bool is_vacant) {
         if (inside == 0) return true;
-        if (surface_.is_deposit) return deposit(k, inside, covered), true;
+        if (surface_.is_deposit()) return deposit(k, inside, covered), true;
         const std::uint64_t z_buffered = target_.lazy.block(block_.index).deep | target_.samples.deposited(block_);
         const bool is_z_buffered = (z_buffered >> k & 1) != 0;
         const bool may_meet = (inside & covered) != 0 && (block_.behind >> k & 1) == 0;
@@ -72,7 +73,7 @@ class LazyMasks : protected StrictMasks<Target> {
         return true;
     }
 
-    /// What has been drawn into masks that are not z-buffered: room for them was reserved.
+    /// Records what was drawn into a mask that is not z-buffered; reserve_fragments() has made room.
     void add_fragment(unsigned k, std::uint64_t seen, bool is_vacant) {
         std::uint32_t& history = target_.lazy.history(64 * block_.index + k);
         if (is_vacant) history = LazyDepth::none;
@@ -86,8 +87,8 @@ class LazyMasks : protected StrictMasks<Target> {
     void reserve_fragments() { target_.lazy.reserve_fragments(65); }
 
   private:
-    /// Whether it lies behind all that those samples of a mask show. Bounds over a whole mask cannot tell where
-    /// surfaces are steep.
+    /// Whether the polygon lies behind everything that these samples of a mask show. Bounds over a whole mask cannot
+    /// tell that where surfaces are steep.
     [[gnu::noinline]] bool is_behind_fragments(unsigned k, std::uint64_t samples) const {
         const LazyDepth& lazy = target_.lazy;
         for (std::uint32_t f = lazy.block(block_.index).whole_masks; f != LazyDepth::none; f = lazy.fragment(f).next) {
@@ -113,7 +114,7 @@ class LazyMasks : protected StrictMasks<Target> {
 
     // --- z-buffers
 
-    /// Where polygons overlap that do not come front to back a mask reverts to a z-buffer, for good.
+    /// Draws into a mask's z-buffer, to which the mask reverts first if it has none.
     [[gnu::noinline]] void tile_deep(unsigned k, std::uint64_t inside, std::uint64_t covered) {
         const std::size_t at = 64 * block_.index + k;
         if ((target_.lazy.block(block_.index).deep >> k & 1) == 0) make_deep(k, covered);
@@ -148,7 +149,7 @@ class LazyMasks : protected StrictMasks<Target> {
         }
     }
 
-    /// As ZBufferRenderer: the nearer wins, of two at the same depth the larger color. Returns what was drawn.
+    /// Draws as ZBufferRenderer does: the nearer wins, of two at the same depth the larger color. Returns what it drew.
     std::uint64_t draw_deep(DeepMask& deep, unsigned k, std::uint64_t inside, std::uint64_t covered,
                             const Surface& surface) const {
         using EightFloats = MaskKernel::EightFloats;
@@ -205,15 +206,13 @@ class LazyMasks : protected StrictMasks<Target> {
             MaskKernel::lanes_of(unsigned(covered >> (8 * j) & 255), counts);
             least = (counts & (q < least)) ? q : least;
         }
-        float result = least[0];
-        for (int i = 1; i < 8; ++i) result = std::min(result, least[i]);
-        return result;
+        return MaskKernel::least_of(least);
     }
 
     // --- the far field
 
-    /// What belongs to the far field covers nothing: it lets less through of what is drawn behind it from now on. A
-    /// pixel that has both is z-buffered, so that what is nearer than a deposit stays as it is.
+    /// Deposits a surface of the far field, which covers nothing: it attenuates what is drawn behind it from now on. A
+    /// pixel that has geometry too is z-buffered, so that anything nearer than a deposit stays as it is.
     [[gnu::noinline]] void deposit(unsigned k, std::uint64_t inside, std::uint64_t covered) {
         const std::size_t at = 64 * block_.index + k;
         const std::uint64_t outside = block_.samples_outside(target_.pyramid, k);
@@ -246,7 +245,7 @@ class LazyMasks : protected StrictMasks<Target> {
             c = FarPixels::attenuated(c, let_through[FarPixels::lane_of(sample)]);
         }
         if (!target_.samples.is_closed(block_, k) || (~covered & ~outside) == 0) return;
-        // What the deposits have closed is covered: by nothing more, at their depth.
+        // A pixel that deposits have closed counts as covered, at their depth, by samples that add no color.
         if (has_geometry) return tile_deep(k, ~covered, covered);
         block_.masks[k] = all_subcells;
         block_.cell->covered |= bit_of(k);

@@ -1,8 +1,8 @@
-// Sixty-four comparisons to a mask, once for each instruction set: see coverage_tiler.hpp. No include guard; expects
-// FARFIELD_LANES (1, 4, 8 or 16) and to stand inside a namespace of its own.
+// Packs sixty-four comparisons into a mask; compiled once for each instruction set, see coverage_tiler.hpp. There is no
+// include guard; FARFIELD_LANES must be 1, 4, 8 or 16, and the including namespace is for these files alone.
 
 struct MaskKernel {
-    /// Eight lanes, whatever the processor has: compilers take several registers where it has narrower ones.
+    /// Eight lanes on any processor: compilers take several registers where these are narrower.
     typedef float EightFloats __attribute__((vector_size(32)));
     typedef std::int32_t EightInts __attribute__((vector_size(32)));
     typedef std::uint32_t EightWords __attribute__((vector_size(32)));
@@ -71,7 +71,7 @@ struct MaskKernel {
 #endif
     }
 
-    /// Bit 8 * j + i: rows[j] + columns[i], kept inside [lowest, highest], is below limits[8 * j + i].
+    /// Bit 8 * j + i: rows[j] + columns[i], clamped to [lowest, highest], is below limits[8 * j + i].
     static std::uint64_t plane_below(const float* rows, const float* columns, float lowest, float highest,
                                      const float* limits) {
         std::uint64_t mask = 0;
@@ -98,7 +98,7 @@ struct MaskKernel {
         return mask;
     }
 
-    /// Bit 8 * j + i: rows[j] + columns[i], kept inside what is said of a plane, is below the same of another.
+    /// Bit 8 * j + i: rows[j] + columns[i], clamped to the range of plane d, is below the same for plane o.
     static std::uint64_t plane_below(const float* rows, const float* columns, const DepthPlane& d,
                                      const float* other_rows, const float* other_columns, const DepthPlane& o) {
         std::uint64_t mask = 0;
@@ -136,8 +136,7 @@ struct MaskKernel {
         return mask;
     }
 
-    /// Where bit 8 * j + i is set, limits[8 * j + i] becomes no larger than rows[j] + columns[i], kept inside [lowest,
-    /// highest].
+    /// Lowers limits[8 * j + i] to rows[j] + columns[i], clamped to [lowest, highest], where bit 8 * j + i is set.
     static void lower(std::uint64_t bits, const float* rows, const float* columns, float lowest, float highest,
                       float* limits) {
 #if FARFIELD_LANES == 16
@@ -166,7 +165,7 @@ struct MaskKernel {
 #endif
     }
 
-    /// All bits of a lane for each bit of a byte, and back.
+    /// Turns each bit of a byte into all bits of a lane; byte_of() turns them back.
     static void lanes_of(unsigned byte, EightInts& lanes) {
         const EightInts bit = {1, 2, 4, 8, 16, 32, 64, 128};
         lanes = ((bit & std::int32_t(byte)) != 0);
@@ -185,11 +184,17 @@ struct MaskKernel {
 #endif
     }
 
+    static float least_of(const EightFloats& lanes) {
+        float least = lanes[0];
+        for (int i = 1; i < 8; ++i) least = std::min(least, lanes[i]);
+        return least;
+    }
+
     static int count(std::uint64_t mask) {
 #if FARFIELD_LANES >= 8
         return __builtin_popcountll(mask);
 #else
-        // Without an instruction for it compilers call a function.
+        // Without an instruction for it, compilers call a function.
         mask -= mask >> 1 & 0x5555555555555555u;
         mask = (mask & 0x3333333333333333u) + (mask >> 2 & 0x3333333333333333u);
         mask = (mask + (mask >> 4)) & 0x0f0f0f0f0f0f0f0fu;
@@ -197,7 +202,7 @@ struct MaskKernel {
 #endif
     }
 
-    /// Bit 8 * j + i: a * i + b * j > threshold. For a few masks, where a table would not pay.
+    /// Bit 8 * j + i: a * i + b * j > threshold. This is for few masks, where a table would not pay.
     static std::uint64_t greater(std::int32_t a, std::int32_t b, std::int32_t threshold) {
 #if FARFIELD_LANES == 16
         const __m512i i = _mm512_set_epi32(7, 6, 5, 4, 3, 2, 1, 0, 7, 6, 5, 4, 3, 2, 1, 0);

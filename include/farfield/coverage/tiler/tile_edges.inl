@@ -1,5 +1,5 @@
 // A polygon over cells of the pyramid: its bounding box, its edges, and the masks that they composite to (Greene 1996,
-// sections 3 and 4.3), once for each instruction set: see coverage_tiler.inl.
+// sections 3 and 4.3). Compiled once for each instruction set: see coverage_tiler.inl.
 //
 // An edge is an integer function E(i, j) = e + 256 (a i + b j) of samples, 0 or more inside, e at the first sample of
 // the cell in question. Of a subcell of s x s samples, E is least and greatest in corners: with low = min(a, 0) +
@@ -11,15 +11,15 @@ inline std::uint64_t bit_of(unsigned k) {
     return std::uint64_t(1) << k;
 }
 
-/// Samples of a polygon's bounding box inside the image, ends included.
+/// The samples of a polygon's bounding box inside the image, ends included.
 struct TileBox {
     int x0 = 0, y0 = 0, x1 = -1, y1 = -1;
-    std::int32_t span = 0;  ///< of the larger side, beyond the image too, 1/256 sample
+    std::int32_t span = 0;  ///< the larger side, even beyond the image, in 1/256 sample
 
     template <class Target>
     TileBox(const Target& target, const TilePolygon& polygon, int grown_by) {
         grown_by += Target::reach_of_samples;
-        // Samples i with 256 i + 128 inside [lowest, highest].
+        // A sample i is inside if 256 i + 128 is in [lowest, highest].
         std::int32_t low_x = polygon.x[0], high_x = low_x, low_y = polygon.y[0], high_y = low_y;
         for (int c = 1; c < polygon.corners; ++c) {
             low_x = std::min(low_x, polygon.x[std::size_t(c)]);
@@ -34,14 +34,14 @@ struct TileBox {
         y1 = std::min(((high_y + grown_by - 128) >> 8) - target.first_y, target.pyramid.height_samples() - 1);
     }
 
-    /// Subcells of a cell that it touches.
+    /// The subcells of a cell that the box touches.
     std::uint64_t subcells(int level, int x, int y) const {
         const int shift = 3 * level;
         const int left = std::max((x0 >> shift) - 8 * x, 0), right = std::min((x1 >> shift) - 8 * x, 7);
         const int top = std::max((y0 >> shift) - 8 * y, 0), bottom = std::min((y1 >> shift) - 8 * y, 7);
         return left > right || top > bottom ? no_subcells : subcells_of_rect(left, top, right, bottom);
     }
-    /// Triage pays where it saves looking at masks.
+    /// Triage pays only if it saves looking at many masks.
     bool spans_few_masks() const {
         return span < 1 << 16 && ((x1 >> 3) - (x0 >> 3) + 1) * ((y1 >> 3) - (y0 >> 3) + 1) <= 16;
     }
@@ -52,7 +52,7 @@ class TileEdges {
     static constexpr int most_edges = TilePolygon::most_corners;
 
   public:
-    /// Those that cross a cell, and their values at its first sample.
+    /// The edges that cross a cell, and their values at its first sample.
     struct Edges {
         int count = 0;
         std::array<std::uint8_t, most_edges> edge;
@@ -60,12 +60,11 @@ class TileEdges {
     };
     struct Triage {
         std::uint64_t covered = all_subcells;   ///< by the polygon: samples all inside
-        std::uint64_t possible = all_subcells;  ///< in the bounding box and not
-                                                ///< wholly outside of one edge
+        std::uint64_t possible = all_subcells;  ///< in the bounding box and not wholly outside one edge
         Edges edges;                            ///< that cross the cell, and the subcells that they cross
         std::array<std::uint64_t, most_edges> crossed;
     };
-    /// Values at a block's first sample, as 32 bits take them.
+    /// The edges' values at a block's first sample, in 32 bits.
     using FewMasks = std::array<std::int32_t, most_edges>;
 
     TileEdges(const Target& target, const TilePolygon& polygon, int grown_by)
@@ -73,7 +72,7 @@ class TileEdges {
 
     const TileBox box;
 
-    /// Before anything below; tabulate(), too, but for few masks.
+    /// Call this before anything below, and tabulate() too unless the polygon spans few masks.
     void prepare(int grown_by) {
         for (int c = 0; c < polygon_.corners; ++c) {
             const auto from = std::size_t(c), to = std::size_t(c + 1 < polygon_.corners ? c + 1 : 0);
@@ -94,7 +93,7 @@ class TileEdges {
     }
 
     Edges at(int level, int x, int y) const {
-        // Where an edge of a huge polygon passes a small cell far away, its value only has to stay far from 0.
+        // If an edge of a huge polygon passes far from a small cell, its value only has to stay far from 0.
         const std::int64_t limit = std::int64_t(1) << (28 + 8 + 3 * level);
         Edges edges;
         edges.count = count_;
@@ -121,7 +120,7 @@ class TileEdges {
         return edges;
     }
 
-    /// The polygon's mask in a cell; false: it lies outside. "Composite the edge masks" (section 3, operation 1).
+    /// "Composite the edge masks" (section 3, operation 1) to the polygon's mask in a cell; false if it lies outside.
     FARFIELD_INLINE bool triage(int level, int x, int y, const Edges& in, Triage& out) const {
         for (int n = 0; n < in.count; ++n) {
             const std::uint8_t edge = in.edge[std::size_t(n)];
@@ -153,7 +152,7 @@ class TileEdges {
         return true;
     }
 
-    /// Samples of mask k of block (x, y) that lie inside of an edge whose value at the block's first sample is e.
+    /// The samples of mask k of block (x, y) that lie inside an edge whose value at the block's first sample is e.
     std::uint64_t samples_inside(std::uint8_t edge, std::int64_t e, int x, int y, unsigned k) const {
         if constexpr (Target::masks == MaskSource::exact) {
             // The edge crosses the block: e is below 2^38, for |a| + |b| < 2^24.
@@ -168,7 +167,7 @@ class TileEdges {
             }
         }
     }
-    /// Likewise, that lie inside of all edges.
+    /// The samples that lie inside all edges.
     std::uint64_t samples_inside(const Triage& t, int x, int y, unsigned k) const {
         std::uint64_t inside = all_subcells;
         for (int n = 0; n < t.edges.count; ++n) {
@@ -178,7 +177,7 @@ class TileEdges {
         return inside;
     }
 
-    /// Of a polygon that spans few masks, without triage and without a table.
+    /// For polygons that span few masks: needs no triage and no table.
     FewMasks few_masks_at(int x, int y) const {
         FewMasks base;
         for (int n = 0; n < count_; ++n) {

@@ -1,6 +1,6 @@
-// What the far field put in front of one sample: its color, and how much light still comes through in each of 4 x 4
-// lanes. What lies side by side in a sample then adds up, and what lies one behind the other does not, whatever the
-// area law (geometry/area_law.hpp).
+// The far field in front of one sample: its color, and how much light still comes through in each of 4 x 4 lanes.
+// Things side by side in a sample then add up and things one behind the other do not, whatever the area law
+// (geometry/area_law.hpp).
 //
 // Lanes are integers of 16 bits, and 65535 stands for one. It is 257 x 255, hence the units that edges are rounded to:
 // 1/257 of a lane's width and 1/255 of its height. The part of a lane between two pairs of edges is then the product of
@@ -11,7 +11,7 @@
 
 #include "farfield/geometry/area_law.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 namespace lanes {
 inline constexpr int side = 4, count = side * side;  ///< of a sample
@@ -25,10 +25,10 @@ inline constexpr int closed = int(closed_transmittance * float(count * one));  /
 
 struct alignas(16) FarSample {
     float r = 0, g = 0, b = 0;  ///< premultiplied
-    float transmittance = 1;    ///< mean of the lanes, but 0 once that is below closed_transmittance
+    float transmittance = 1;    ///< mean of the lanes, or 0 if that is below closed_transmittance
     std::uint16_t lane[lanes::count] = {lanes::one, lanes::one, lanes::one, lanes::one, lanes::one, lanes::one,
                                         lanes::one, lanes::one, lanes::one, lanes::one, lanes::one, lanes::one,
                                         lanes::one, lanes::one, lanes::one, lanes::one};  ///< row by row
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

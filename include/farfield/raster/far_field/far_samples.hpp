@@ -14,16 +14,16 @@
 #include "farfield/raster/far_field/transmittance_lanes.hpp"
 #include "farfield/raster/sample_rect.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Samples are addressed from the upper left one. Deposits come front to back over a z-buffer of geometry, `depth`, row
 /// by row, larger when nearer: a deposit behind it is dropped. A sample that lets nothing through any more, or whose
-/// geometry lies in front of a deposit, is *closed*: nothing that comes later in that order can change it.
+/// geometry lies in front of a deposit, is *closed*: nothing later in that order can change it.
 class FarSamples {
   public:
     using Sample = FarSample;
 
-    /// Either below 2^15.
+    /// Both must be below 2^15.
     void resize(int width, int height) {
         width_ = width;
         height_ = height;
@@ -35,10 +35,10 @@ class FarSamples {
         has_begun_ = any_closed_ = false;
     }
 
-    /// Only what was deposited since the last time.
+    /// Clears only what was deposited since the last time.
     void clear() {
         for_touched([&](int x, int y) { samples_[index(x, y)] = {}; });
-        // Only where something was deposited can anything be closed.
+        // A sample can be closed only where something was deposited.
         for (int y = rect_.y0; y < rect_.y1; ++y) {
             const auto words = bits_.begin() + std::ptrdiff_t(std::size_t(y) * words_);
             std::fill(words + (rect_.x0 >> 6), words + ((rect_.x1 - 1) >> 6) + 1, Bits{});
@@ -47,7 +47,7 @@ class FarSamples {
         has_begun_ = any_closed_ = false;
     }
 
-    /// Before the first deposit of a frame: memory is taken by the first frame that has one.
+    /// Call this before the first deposit of a frame. The first frame that has one takes the memory.
     void begin() {
         has_begun_ = true;
         if (!samples_.empty()) return;
@@ -55,10 +55,11 @@ class FarSamples {
         first_deposit_.resize(samples_.size());
     }
     bool has_begun() const { return has_begun_; }
-    /// Holds all samples deposited into.
+    /// A rectangle that holds all samples deposited into.
     const SampleRect& rect() const { return rect_; }
 
-    /// Into samples [begin, end) of row y, inside the picture, each covered whole; `rgb` in [0, 1]; q(x) is the depth.
+    /// Deposits into samples [begin, end) of row y, inside the picture, each covered whole; `rgb` in [0, 1], q(x)
+    /// the depth.
     template <class Depth>
     void deposit_row(const float* depth, int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
         const Row row = row_of(depth, y);
@@ -72,9 +73,9 @@ class FarSamples {
         any_closed_ |= closed;
     }
 
-    /// A square deposit; each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are
-    /// rounded to about 1/1000 of a sample, equal ones equally: squares that adjoin cover nothing twice. Outside of the
-    /// picture it is cut off.
+    /// Deposits a square: each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are
+    /// rounded to about 1/1000 of a sample, equal ones equally, so that adjoining squares cover nothing twice. The
+    /// square is cut off at the picture's border.
     void deposit_square(const float* depth, float left, float top, float right, float bottom, float q, Loss loss,
                         glm::vec3 rgb) {
         const native_lanes::Square at(left, top, right, bottom, width_, height_);
@@ -97,8 +98,8 @@ class FarSamples {
         any_closed_ |= closed;
     }
 
-    /// The same of something no larger than a lane: all of it goes into the lane that its center lies in. `rgb()` is
-    /// asked only if that changes anything.
+    /// Deposits something no larger than a lane: all of it goes into the lane that holds its center. `rgb()` is called
+    /// only if that changes anything.
     template <class Color>
     void deposit_in_lane(const float* depth, float x, float y, float area, float q, Loss loss, Color&& rgb) {
         if (!(x >= 0 && y >= 0 && x < float(width_) && y < float(height_))) return;
@@ -114,7 +115,7 @@ class FarSamples {
         any_closed_ = true;
     }
 
-    /// Of a rectangle inside the picture, ends included.
+    /// Whether all samples of a rectangle inside the picture, ends included, are closed.
     bool all_closed(int x0, int y0, int x1, int y1) const {
         if (!any_closed_) return false;
         const std::uint64_t all = ~std::uint64_t(0);
@@ -131,15 +132,15 @@ class FarSamples {
     }
     bool is_open(int x, int y) const { return bits_of(x, y).open >> (x & 63) & 1; }
 
-    /// What was deposited into a sample, or null: also where geometry that was drawn later, at `depth`, lies in front
-    /// of the first deposit.
+    /// The deposits into a sample, or null if there are none or if geometry that was drawn later, at `depth`, lies in
+    /// front of the first.
     const Sample* over(float depth, int x, int y) const {
         if ((bits_of(x, y).touched >> (x & 63) & 1) == 0) return nullptr;
         const std::size_t at = index(x, y);
         return first_deposit_[at] > depth ? &samples_[at] : nullptr;
     }
 
-    /// f(x, y) for every sample that was deposited into.
+    /// Calls f(x, y) for every sample that was deposited into.
     template <class F>
     void for_touched(F&& f) const {
         for (int y = rect_.y0; y < rect_.y1; ++y) {
@@ -167,7 +168,7 @@ class FarSamples {
         return {first, depth + first, samples_.data() + first, bits_.data() + std::size_t(y) * words_};
     }
 
-    /// In parts, along borders of samples.
+    /// Splits the square along borders of samples.
     void deposit_large(const float* depth, int x0, int y0, float left, float top, float right, float bottom, float q,
                        Loss loss, glm::vec3 rgb) {
         const auto x = float(x0 + lanes::most_samples / 2), y = float(y0 + lanes::most_samples / 2);
@@ -180,7 +181,7 @@ class FarSamples {
         }
     }
 
-    /// True if it closed the sample.
+    /// Returns true if the deposit closed the sample.
     bool into(const Row& row, int x, float q, const native_lanes::Deposit& deposit,
               const native_lanes::Columns& columns, const native_lanes::Rows& rows) {
         if (!is_touched_by(row, x, q)) return false;
@@ -189,7 +190,7 @@ class FarSamples {
         return closes;
     }
 
-    /// Whether a deposit changes a sample, which then is one deposited into; closes it where geometry is nearer.
+    /// Whether a deposit changes a sample, which is then marked as touched; closes it where geometry is nearer.
     bool is_touched_by(const Row& row, int x, float q) {
         const std::uint64_t bit = std::uint64_t(1) << (x & 63);
         Bits& bits = row.bits[x >> 6];
@@ -212,10 +213,10 @@ class FarSamples {
     int width_ = 0, height_ = 0;
     std::size_t words_ = 0;
     std::vector<Sample> samples_;
-    std::vector<float> first_deposit_;  ///< q of the first, which is the nearest; of samples touched
-    std::vector<Bits> bits_;            ///< of 64 samples each, rows padded
+    std::vector<float> first_deposit_;  ///< q of the first and nearest, for samples touched
+    std::vector<Bits> bits_;            ///< 64 samples each, rows padded
     SampleRect rect_;
     bool has_begun_ = false, any_closed_ = false;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,5 +1,5 @@
-// A square's deposit into the lanes of the samples it touches (far_sample.hpp): one lane at a time on any machine,
-// eight at a time on any x86-64. The picture does not depend on which.
+// Deposits a square into the lanes of the samples it touches (far_sample.hpp): one lane at a time on any machine, eight
+// at a time on any x86-64. The picture does not depend on which.
 #pragma once
 
 #include <algorithm>
@@ -10,17 +10,17 @@
 #include "farfield/raster/far_field/far_sample.hpp"
 #include "farfield/raster/far_field/transmittance_lanes_sse2.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 // Two namespaces that compute the same bits, one lane at a time and eight:
 //
-//   Square         cut off at the borders of a picture and rounded to units; a position that is no number is 0
-//     is_empty     nothing is left of it; nothing else may then be asked
-//     x0 ... y1    the samples it covers some of, ends included
-//     is_small     it touches 16 samples a side at most; then one may ask for
-//     columns(i)   how much of each column of lanes it covers in its i-th samples from the left, and
-//     rows(i)      of each row in its i-th from the top
-//   Deposit        a loss in 65535ths, rounded (what exceeds one is cut off, what is no number is 0), and a color
+//   Square         is cut off at the borders of a picture and rounded to units; NaN counts as 0
+//     is_empty     nothing is left of it; nothing else may then be called
+//     x0 ... y1    the samples that it touches, ends included
+//     is_small     it touches at most 16 samples a side; only then may these be called:
+//     columns(i)   how much of each column of lanes it covers in the i-th samples from the left
+//     rows(i)      how much of each row of lanes in the i-th samples from the top
+//   Deposit        a loss in 65535ths, rounded and clamped to [0, 1] (NaN counts as 0), and a color
 //     into         takes the loss from the part of each lane that is covered; true if that closed the sample
 
 namespace one_lane_at_a_time {
@@ -63,7 +63,7 @@ class Square {
     struct Edge {
         int sample, rest;
 
-        /// Half a unit inwards, so that no sample is touched but not covered.
+        /// The sample is taken half a unit inwards, so that none is touched but not covered.
         Edge(float at, int samples, int units, float inwards) {
             const float v = std::min(std::max(0.0f, at), float(samples));
             sample = int(std::min(v + inwards / float(units), float(samples) - 1));
@@ -73,7 +73,7 @@ class Square {
     int left_, top_, right_, bottom_;  ///< in units from the upper left sample's corner
 };
 
-/// a b / 65535 to the nearest, a product with 65535 being exact (above 1/2 it may be one too small).
+/// a b / 65535 rounded to nearest; a product with 65535 is exact (above 1/2 it may be one too small).
 inline std::uint32_t product(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t high = a * b >> 16, low = a * b & 0xffff;
     return high + (std::min<std::uint32_t>(low + high, 0xffff) >> 15);
@@ -109,7 +109,7 @@ class Deposit {
     glm::vec3 rgb_;
 };
 
-/// Into a single lane, `part` of which is covered (at most all of it).
+/// Deposits into a single lane, `part` of which is covered (at most all of it).
 inline bool into_lane(FarSample& s, int lane, float part, Loss loss, glm::vec3 rgb) {
     const auto before = float(s.lane[lane]);
     const float taken_here =
@@ -134,4 +134,4 @@ namespace native_lanes = eight_lanes_at_a_time;
 namespace native_lanes = one_lane_at_a_time;
 #endif
 
-}  // namespace farfield
+}  // namespace farfield::detail

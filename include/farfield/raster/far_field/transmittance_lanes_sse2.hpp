@@ -1,4 +1,4 @@
-// Eight lanes at a time with what every x86-64 has: see transmittance_lanes.hpp, which says what these are.
+// The same as transmittance_lanes.hpp, which explains it, eight lanes at a time with what every x86-64 has.
 #pragma once
 
 #if defined(__SSE2__)
@@ -11,7 +11,7 @@
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/raster/far_field/far_sample.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 namespace eight_lanes_at_a_time {
 
@@ -40,7 +40,7 @@ struct Positions {
 };
 inline constexpr Positions positions{};
 
-using Columns = __m128i;  ///< twice the same
+using Columns = __m128i;  ///< four widths, twice
 struct Rows {
     __m128i upper, lower;
 };
@@ -51,7 +51,7 @@ class Square {
 
     Square(float left, float top, float right, float bottom, int width, int height) {
         const __m128 size = _mm_cvtepi32_ps(_mm_setr_epi32(width, height, width, height));
-        // In this order the zero is taken where the other is no number.
+        // In this order _mm_max_ps gives the zero where the other is NaN.
         const __m128 v = _mm_min_ps(_mm_max_ps(_mm_setr_ps(left, top, right, bottom), _mm_setzero_ps()), size);
         // Half a unit inwards, so that no sample is touched but not covered.
         constexpr float x = 0.5f / lanes::sample_width, y = 0.5f / lanes::sample_height;
@@ -111,7 +111,7 @@ class Deposit {
         const __m128i lower = left_of(load(s.lane + 8), _mm_mullo_epi16(columns, rows.lower));
         store(s.lane, upper);
         store(s.lane + 8, lower);
-        // Pairs add up as signed numbers only, hence all less 2^15 first.
+        // Pairs can only be added as signed numbers, so 2^15 is taken from all first.
         const __m128i half = same(-32768), ones = same(1);
         const __m128i pairs = _mm_add_epi32(_mm_madd_epi16(_mm_xor_si128(upper, half), ones),
                                             _mm_madd_epi16(_mm_xor_si128(lower, half), ones));
@@ -138,6 +138,6 @@ class Deposit {
 
 }  // namespace eight_lanes_at_a_time
 
-}  // namespace farfield
+}  // namespace farfield::detail
 
 #endif

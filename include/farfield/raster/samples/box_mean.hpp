@@ -1,4 +1,4 @@
-// The box filter.
+// The box filter of a pixel's samples.
 #pragma once
 
 #include <algorithm>
@@ -8,11 +8,11 @@
 
 #include "farfield/geometry/rgba8.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Mean of a_side x a_side samples, at most 8 x 8, rounded to nearest; rows are `stride` apart.
+/// The mean of a_side x a_side samples, at most 8 x 8, rounded to nearest; rows are `stride` apart.
 inline Rgba8 mean_of_samples(const Rgba8* samples, std::size_t stride, int a_side) {
-    // Two channels in a word each: 64 samples stay below 2^16.
+    // A word holds two channels: sums of 64 samples stay below 2^16.
     std::uint32_t even = 0, odd = 0;
     for (int y = 0; y < a_side; ++y, samples += stride) {
         for (int x = 0; x < a_side; ++x) {
@@ -28,4 +28,4 @@ inline Rgba8 mean_of_samples(const Rgba8* samples, std::size_t stride, int a_sid
     return std::bit_cast<Rgba8>(byte(even) | byte(odd) << 8 | byte(even >> 16) << 16 | byte(odd >> 16) << 24);
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

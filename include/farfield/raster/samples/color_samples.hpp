@@ -1,4 +1,4 @@
-// Samples with a color and nothing else, and the picture that comes of them.
+// Samples that have a color and no depth, and the picture made from them.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +11,13 @@
 #include "farfield/raster/sample_rect.hpp"
 #include "farfield/raster/samples/box_mean.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Samples are addressed relative to the projection's center sample. Only what the last frame drew is cleared.
 class ColorSamples {
   public:
-    void begin(const SampleProjection& to, int samples_a_side, Rgba8 background) {
-        const int width = to.end_x - to.first_x, height = to.end_y - to.first_y;
+    void begin(const SampleProjection& projection, int samples_a_side, Rgba8 background) {
+        const int width = projection.end_x - projection.first_x, height = projection.end_y - projection.first_y;
         if (width != width_ || height != height_ || samples_a_side != side_ || !(background == background_)) {
             width_ = width;
             height_ = height;
@@ -31,17 +31,17 @@ class ColorSamples {
             }
         }
         drawn_ = {};
-        first_x_ = to.first_x;
-        first_y_ = to.first_y;
+        first_x_ = projection.first_x;
+        first_y_ = projection.first_y;
     }
 
-    /// Color of row y, to be indexed with x. Whoever writes says so by drawn().
+    /// The colors of row y, indexed with x. The caller reports what it writes by drawn().
     Rgba8* row(int y) { return at(0, y - first_y_) - first_x_; }
     void drawn(int x0, int y0, int x1, int y1) {
         drawn_.add(x0 - first_x_, y0 - first_y_, x1 - first_x_, y1 - first_y_);
     }
 
-    /// Box filter: the mean of a pixel's samples. Writes only what changed since the last resolve into the same image.
+    /// Writes the mean of each pixel's samples, but only where they changed since the last resolve into the same image.
     void resolve(Image& image) {
         const int width = width_ / side_, height = height_ / side_;
         if (image_is_stale_ || image.width() != width || image.height() != height) {
@@ -79,4 +79,4 @@ class ColorSamples {
     bool image_is_stale_ = true;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

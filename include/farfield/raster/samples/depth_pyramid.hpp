@@ -1,10 +1,10 @@
 // The z-pyramid of N. Greene, M. Kass, G. Miller, "Hierarchical Z-buffer Visibility", SIGGRAPH 1993, section 3.2: the
-// farthest depth of ever larger squares of samples, so that what lies behind all of them is told from few numbers.
+// farthest depth of ever larger squares of samples, so that few numbers tell what lies behind all of them.
 //
-// Two things are ours. Squares are 8 x 8 of the next finer ones instead of 2 x 2: the samples of the finest are eight
-// vectors, and a third of the memory and of the levels is saved. And nothing is propagated while drawing: depths only
-// ever come nearer within a frame, so a farthest depth that is out of date errs towards the far side, and squares are
-// brought up to date when they are asked about.
+// Two things differ from the paper. A square has 8 x 8 of the next finer ones instead of 2 x 2: the samples of the
+// finest are eight vectors, and a third of the memory and of the levels is saved. And nothing is propagated while
+// drawing: depths only come nearer within a frame, so an outdated farthest depth errs towards the far side, and a
+// square is updated when it is asked about.
 #pragma once
 
 #include <algorithm>
@@ -13,15 +13,15 @@
 #include <limits>
 #include <vector>
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Over a z-buffer, row by row, larger when nearer, which it does not own. One number for 64 samples, one for 64 of
-/// those and so on.
+/// Lies over a z-buffer that it does not own, stored row by row, larger when nearer. It has one number for 64 samples,
+/// one for 64 of those and so on.
 class DepthPyramid {
   public:
     static constexpr int log2_side = 3, side = 1 << log2_side;
 
-    /// `depth` holds nothing yet, that is -infinity, and stays in its place until the next begin().
+    /// `depth` must be empty, that is -infinity, and stay in its place until the next begin().
     void begin(const float* depth, int width, int height) {
         depth_ = depth;
         width_ = width;
@@ -42,11 +42,11 @@ class DepthPyramid {
     bool all_nearer(int x0, int y0, int x1, int y1, float q) {
         return all_nearer(x0, y0, x1, y1, [q](int, int, int, int) { return q; });
     }
-    /// Than something whose q is nowhere larger than nearest(x0, y0, x1, y1) in such a rectangle?
+    /// The same for something whose q is at most nearest(x0, y0, x1, y1) in any such rectangle.
     template <class Nearest>
     requires std::invocable<Nearest, int, int, int, int>
     bool all_nearer(int x0, int y0, int x1, int y1, const Nearest& nearest) {
-        // Most questions are about something visible, and fail here.
+        // Most queries are about something visible and fail here.
         const int middle_x = (x0 + x1) >> 1, middle_y = (y0 + y1) >> 1;
         if (!(at(middle_x, middle_y) > nearest(middle_x, middle_y, middle_x, middle_y))) return false;
         const int width = x1 - x0 + 1, height = y1 - y0 + 1;
@@ -151,4 +151,4 @@ class DepthPyramid {
     std::vector<float> farthest_;  ///< finest level first
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,4 +1,4 @@
-// A triangle's samples into a z-buffer.
+// Writes a triangle's samples into a z-buffer.
 #pragma once
 
 #include <bit>
@@ -10,26 +10,26 @@
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/triangles/sample_rows.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// The nearer one stays; of two at the same depth the larger color, whichever comes first.
+/// The nearer sample stays; of two at the same depth the larger color stays, in whatever order they come.
 class DepthTestedFill {
   public:
-    DepthTestedFill(const SampleProjection& to, SampleBuffers& buffers, const SampleRows& rows)
-        : to_(to), buffers_(buffers), rows_(rows) {}
+    DepthTestedFill(const SampleProjection& projection, SampleBuffers& buffers, const SampleRows& rows)
+        : projection_(projection), buffers_(buffers), rows_(rows) {}
 
     SampleBuffers& buffers() const { return buffers_; }
 
-    /// May be said of triangles that change nothing.
+    /// A fill may reject triangles that change nothing.
     static constexpr bool rejects(const SnappedTriangle&) { return false; }
 
     /// The triangle must be clockwise. prepare() is called before the first sample that it covers; shade(x, y) then
-    /// gives the sample's color, and with alpha 0 it is not covered after all.
+    /// gives the sample's color; alpha 0 means that it is not covered after all.
     template <class Prepare, class Shade>
     void operator()(const SnappedTriangle& t, std::int64_t doubled_area, Prepare&& prepare, const Shade& shade) const {
         DepthPlane plane;
         bool prepared = false;
-        scan_convert(t, to_, [&](int y, int begin, int end) {
+        scan_convert(t, projection_, [&](int y, int begin, int end) {
             if (!prepared) {
                 prepared = true;
                 plane = DepthPlane(t, doubled_area);
@@ -64,9 +64,9 @@ class DepthTestedFill {
     }
 
   private:
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     SampleBuffers& buffers_;
     const SampleRows& rows_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

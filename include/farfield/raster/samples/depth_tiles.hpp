@@ -1,4 +1,4 @@
-// The farthest depth of each 8 x 8 samples, so that a cell behind all of them can be told without looking at samples:
+// The farthest depth of each 8 x 8 samples, so that a cell behind all of them is recognized without looking at samples:
 // two levels of the z-pyramid of N. Greene, M. Kass, G. Miller, "Hierarchical Z-buffer Visibility", SIGGRAPH 1993.
 #pragma once
 
@@ -7,15 +7,15 @@
 #include <limits>
 #include <vector>
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Depths only ever come nearer within a frame, so a farthest depth that is out of date errs towards the far side.
-/// Tiles are brought up to date when they are asked about, never while drawing.
+/// Depths only come nearer within a frame, so an outdated farthest depth errs towards the far side. A tile is updated
+/// when it is asked about, never while drawing.
 class DepthTiles {
   public:
     static constexpr int side = 8;
 
-    /// Nothing is drawn yet.
+    /// Starts with nothing drawn.
     void begin(int width, int height) {
         columns_ = (width + side - 1) / side;
         farthest_.assign(std::size_t(columns_) * std::size_t((height + side - 1) / side),
@@ -24,7 +24,7 @@ class DepthTiles {
 
     /// Is every sample of the tiles that touch a rectangle (ends included, inside the picture) nearer than q?
     /// farthest(left, top, right, bottom), half open and possibly beyond the picture, gives the least q of its samples,
-    /// or that of the first that is not nearer than q: most questions fail there.
+    /// or the first that is not larger than q: most queries fail there.
     template <class Farthest>
     bool all_nearer(int x0, int y0, int x1, int y1, float q, Farthest&& farthest) {
         for (int row = y0 / side; row <= y1 / side; ++row) {
@@ -45,4 +45,4 @@ class DepthTiles {
     std::vector<float> farthest_;  ///< least q
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

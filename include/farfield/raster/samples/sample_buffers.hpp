@@ -1,5 +1,5 @@
-// What a frame is drawn into: for each sample a z-buffer of geometry and, over it, the far field; and the picture that
-// comes of them.
+// The buffers that a frame is drawn into: a z-buffer of geometry and, over it, the far field, sample by sample; and the
+// picture made from them.
 #pragma once
 
 #include <algorithm>
@@ -19,61 +19,61 @@
 #include "farfield/raster/samples/box_mean.hpp"
 #include "farfield/raster/samples/depth_tiles.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Samples are addressed relative to the projection's center sample. Only what the last frame drew is cleared.
 ///
-/// The picture is what was deposited plus transmittance times the z-buffer's color; where geometry drawn later lies in
+/// The picture is the deposited color plus transmittance times the z-buffer's color; where geometry drawn later lies in
 /// front of the first deposit, it is the geometry's color alone.
 class SampleBuffers {
   public:
-    void begin(const SampleProjection& to, int samples_a_side, Rgba8 background) {
-        const int width = to.end_x - to.first_x, height = to.end_y - to.first_y;
+    void begin(const SampleProjection& projection, int samples_a_side, Rgba8 background) {
+        const int width = projection.end_x - projection.first_x, height = projection.end_y - projection.first_y;
         if (width != width_ || height != height_ || samples_a_side != side_ || !(background == background_)) {
             resize(width, height, samples_a_side, background);
         } else {
             clear();
         }
-        first_x_ = to.first_x;
-        first_y_ = to.first_y;
+        first_x_ = projection.first_x;
+        first_y_ = projection.first_y;
     }
 
     int samples_a_side() const { return side_; }
-    /// The z-buffer, row by row from the upper left sample; of the same size until the next begin().
+    /// The z-buffer, row by row from the upper left sample; it keeps its place and size until the next begin().
     const float* depth() const { return depth_.data(); }
 
-    /// z and color of row y, to be indexed with x. Whoever writes says so by near_drawn().
+    /// z and color of row y, indexed with x. The caller reports what it writes by near_drawn().
     float* depth_row(int y) { return depth_.data() + row(y) - first_x_; }
     Rgba8* color_row(int y) { return color_.data() + row(y) - first_x_; }
     void near_drawn(int x0, int y0, int x1, int y1) {
         near_.add(x0 - first_x_, y0 - first_y_, x1 - first_x_, y1 - first_y_);
     }
 
-    /// Before the first deposit of a frame.
+    /// Call this before the first deposit of a frame.
     void begin_far() { far_.begin(); }
     bool has_far() const { return far_.has_begun(); }
 
-    /// As FarSamples::deposit_row.
+    /// See FarSamples::deposit_row.
     template <class Depth>
     void deposit_row(int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
         far_.deposit_row(
             depth_.data(), y - first_y_, begin - first_x_, end - first_x_, [&](int x) { return q(x + first_x_); }, loss,
             rgb);
     }
-    /// As FarSamples::deposit_square.
+    /// See FarSamples::deposit_square.
     void deposit_square(float left, float top, float right, float bottom, float q, Loss loss, glm::vec3 rgb) {
         const auto x0 = float(first_x_), y0 = float(first_y_);
         far_.deposit_square(depth_.data(), left - x0, top - y0, right - x0, bottom - y0, q, loss, rgb);
     }
 
-    /// As FarSamples::deposit_in_lane.
+    /// See FarSamples::deposit_in_lane.
     template <class Color>
     void deposit_in_lane(float x, float y, float area, float q, Loss loss, Color&& rgb) {
         far_.deposit_in_lane(depth_.data(), x - float(first_x_), y - float(first_y_), area, q, loss, rgb);
     }
 
-    /// Can nothing as far as q or farther change any sample of a rectangle (ends included), because it is closed or its
-    /// geometry is nearer? May err towards no; true of a rectangle that holds no sample.
+    /// Whether nothing as far as q or farther can change any sample of a rectangle (ends included), because each is
+    /// closed or has nearer geometry. May err towards no; a rectangle without samples gives yes.
     bool all_settled(int x0, int y0, int x1, int y1, float q) {
         x0 = std::max(x0 - first_x_, 0);
         y0 = std::max(y0 - first_y_, 0);
@@ -86,7 +86,7 @@ class SampleBuffers {
                });
     }
 
-    /// Box filter: the mean of a pixel's samples. Writes only what changed since the last resolve into the same image.
+    /// Writes the mean of each pixel's samples, but only where they changed since the last resolve into the same image.
     void resolve(Image& image) {
         const int width = width_ / side_, height = height_ / side_;
         if (image.width() != width || image.height() != height) {
@@ -133,7 +133,7 @@ class SampleBuffers {
         }
     }
 
-    /// Least q of the samples of a rectangle, half open, that are not closed; or of the first not nearer than q.
+    /// The least q of the samples of a rectangle, half open, that are not closed, or the first not larger than q.
     float farthest_open(int left, int top, int right, int bottom, float q) const {
         float least = std::numeric_limits<float>::infinity();
         for (int y = top; y < bottom; ++y) {
@@ -198,8 +198,8 @@ class SampleBuffers {
     std::vector<float> depth_;
     std::vector<Rgba8> color_;  ///< opaque, or the background
     FarSamples far_;
-    DepthTiles tiles_;                  ///< asked for only where there is a far field
+    DepthTiles tiles_;                  ///< used only where there is a far field
     SampleRect near_, drawn_in_image_;  ///< relative to the upper left sample
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

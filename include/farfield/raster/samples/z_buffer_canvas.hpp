@@ -1,4 +1,5 @@
-// What renderers with a z-buffer have in common: sources, light, geometry and far field into SampleBuffers.
+// The common part of renderers with a z-buffer: it lights sources, and draws them and the far field into
+// SampleBuffers.
 #pragma once
 
 #include <bit>
@@ -14,15 +15,16 @@
 #include "farfield/raster/samples/depth_tested_fill.hpp"
 #include "farfield/raster/samples/far_deposits.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
+#include "farfield/raster/source_slots.hpp"
 #include "farfield/raster/triangles/triangle_painter.hpp"
 #include "farfield/raster/triangles/triangle_runs.hpp"
-#include "farfield/raster/triangles/triangle_streams.hpp"
+#include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
 #include "farfield/renderer.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// `renderer`, a literal, is whose name errors bear.
+/// Errors name `renderer`, a string literal.
 class ZBufferCanvas {
   public:
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
@@ -37,59 +39,59 @@ class ZBufferCanvas {
     const ZBufferOptions& options() const { return options_; }
     int samples_a_side() const { return side_; }
     const Image& image() const { return image_; }
-    const SampleProjection& projection() const { return to_; }
+    const SampleProjection& projection() const { return projection_; }
     SampleBuffers& buffers() { return buffers_; }
-    TriangleStreams& streams() { return streams_; }
+    SourceSlots<TriangleStream>& streams() { return streams_; }
 
     /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
     void begin_frame(const LocalView& view) {
         check_image_size(view, side_, renderer_);
-        to_ = SampleProjection(view, side_);
-        buffers_.begin(to_, side_, options_.background);
+        projection_ = SampleProjection(view, side_);
+        buffers_.begin(projection_, side_, options_.background);
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
-        to_ = SampleProjection(view, side_);
+        projection_ = SampleProjection(view, side_);
         light_.set_view(view);
     }
     void end_frame() { buffers_.resolve(image_); }
 
-    /// Ranges with a law are deposited where options say so.
+    /// Small triangles of ranges with a law are deposited if the options say so.
     template <class P, class Fill>
     void draw(const Source<P>& source, std::span<const Range> ranges, const Fill& fill) {
         const TriangleStream& stream = streams_[source.id];
-        TrianglePainter<Fill> painter(stream, to_, light_.light(), options_.culls_back_faces, fill);
+        TrianglePainter<Fill> painter(stream, projection_, light_.light(), options_.culls_back_faces, fill);
         for (const Range& r : ranges) {
             const std::uint32_t first = stream.first_triangle(r.first), end = stream.first_triangle(r.first + r.count);
             if (r.law && options_.deposits_small_triangles) {
                 draw_with_deposits(stream, first, end, r.law, painter);
             } else {
-                draw_triangles(stream, first, end, to_, triage_, painter);
+                draw_triangles(stream, first, end, projection_, triage_, painter);
             }
         }
     }
 
     void draw(std::span<const Face> faces) {
         buffers_.begin_far();
-        FarDeposits deposits(to_, buffers_);
+        FarDeposits deposits(projection_, buffers_);
         for (const Face& face : faces) deposits.add(face);
     }
     void draw(std::span<const Splat> splats) {
         buffers_.begin_far();
-        FarDeposits deposits(to_, buffers_);
+        FarDeposits deposits(projection_, buffers_);
         for (const Splat& splat : splats) deposits.add(splat);
     }
 
   private:
-    /// Triangles [first, end) of a cell whose law is known. Inlined, g++ at -O1 takes a law that is not set, of a range
-    /// that never gets here, for one that is read.
+    /// Draws triangles [first, end) of a cell whose law is known. Not inlined, or g++ at -O1 warns that a law may be
+    /// read unset, for ranges that never get here.
     template <class Painter>
     [[gnu::noinline]] void draw_with_deposits(const TriangleStream& stream, std::uint32_t first, std::uint32_t end,
                                               const std::optional<AreaLaw>& known_law, Painter& painter) {
         const AreaLaw law = *known_law;
         const Loss opaque = loss_of_opacity(1, law);
         for_triaged_blocks(
-            stream, first, end, to_, triage_small_,
+            stream, first, end, projection_, triage_small_,
             [&](std::uint32_t block, const TriageMasks& masks, const TriagedBlock& triaged, unsigned in_range) {
                 unsigned small = masks.small & in_range;
                 if (options_.culls_back_faces) small &= masks.front;
@@ -99,8 +101,8 @@ class ZBufferCanvas {
                     const bool front = (masks.front >> lane & 1) != 0;
                     painter.deposit(block * TriangleBlock::lanes + lane, triaged, lane, front, opaque);
                 }
-                // Squares do not tile a surface as its triangles do, and its larger triangles are no deposits at all.
-                // So that nothing shows through, the samples that its small ones hold are drawn as well, behind.
+                // Squares do not tile a surface as its triangles do, and its larger triangles are not deposited at all.
+                // So that nothing shows through, samples that its small ones hold are drawn as well, behind.
                 if (law != AreaLaw::coherent) in_range &= ~masks.small;
                 for (unsigned left = (masks.draw | masks.clip) & in_range; left != 0; left &= left - 1) {
                     const auto lane = unsigned(std::countr_zero(left));
@@ -121,10 +123,10 @@ class ZBufferCanvas {
     int side_;
     TriageFunction triage_, triage_small_;
     LightInView light_;
-    SampleProjection to_;
+    SampleProjection projection_;
     SampleBuffers buffers_;
-    TriangleStreams streams_;
+    SourceSlots<TriangleStream> streams_;
     Image image_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,4 +1,4 @@
-// Rows of opaque samples, many at a step.
+// Writes rows of opaque samples, several at a step.
 //
 // The same source is compiled for vectors of four and eight lanes (simd.hpp); all widths compute the bits that
 // DepthPlane and ColorPlane do, sample by sample.
@@ -14,9 +14,9 @@
 #include "farfield/raster/shading.hpp"
 #include "farfield/raster/simd.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// DepthPlane::at along a row.
+/// Evaluates DepthPlane::at along a row.
 struct DepthOfRow {
     float row, by_x, base_x, lowest, highest;
 
@@ -28,15 +28,15 @@ struct DepthOfRow {
           highest(plane.highest) {}
 };
 
-/// ColorPlane::at along a row.
+/// Evaluates ColorPlane::at along a row.
 struct ColorsOfRow {
-    /// Of a corner: (across - down (px - x)) inverse_area weight.
+    /// A corner's share at px is (across - down (px - x)) inverse_area weight.
     struct Weight {
         float across, down, x, weight;
     };
     Weight weights[3];
     float inverse_area;
-    glm::vec3 channels[4];  ///< of the three corners, each
+    glm::vec3 channels[4];  ///< each at the three corners
 
     ColorsOfRow(const ColorPlane& plane, const Rgba8 (&colors)[3], int y) : inverse_area(plane.inverse_area) {
         const SnappedTriangle& t = plane.t;
@@ -69,17 +69,17 @@ namespace rows_of_eight {
 FARFIELD_END_LANES
 #endif
 
-/// Samples [begin, end) of a row, to be indexed with x. All read and write up to 8 samples beyond the end, which they
-/// leave as they are. Null: sample by sample.
+/// Functions that write samples [begin, end) of a row, indexed with x. They read and write up to 8 samples beyond the
+/// end, which keep their values. Null means sample by sample.
 ///
-/// What gives false stopped at `begin`, for a color there is not opaque: what is between the corners of a sliver need
-/// not be, whatever they are.
+/// A function that returns false stopped at `begin` because a color there is not opaque: even if all corners of a
+/// sliver are, the colors between them need not be.
 struct SampleRows {
-    /// Into a z-buffer: the nearer one stays, of two at the same depth the larger color.
+    /// Writes into a z-buffer: the nearer sample stays, of two at the same depth the larger color.
     void (*one_color)(float* depth, Rgba8* color, int begin, int end, const DepthOfRow& of, Rgba8 rgba) = nullptr;
     bool (*several_colors)(float* depth, Rgba8* color, int& begin, int end, const DepthOfRow& of,
                            const ColorsOfRow& colors) = nullptr;
-    /// Over whatever is there.
+    /// Overwrites whatever is there.
     bool (*painted_colors)(Rgba8* color, int& begin, int end, const ColorsOfRow& colors) = nullptr;
 
     explicit SampleRows(Simd simd) {
@@ -97,8 +97,8 @@ struct SampleRows {
 #endif
     }
 
-    /// Shorter ones are not worth a call.
+    /// Shorter rows are not worth a call.
     static constexpr int shortest = 6;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

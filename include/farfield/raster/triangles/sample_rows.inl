@@ -1,5 +1,5 @@
-// A row of samples into a z-buffer, compiled once for each width of vectors: see sample_rows.hpp. No include
-// guard; expects FARFIELD_LANES (4 or 8) and to stand inside a namespace of its own.
+// Writes a row of samples into a z-buffer; compiled once for each width of vectors, see sample_rows.hpp. There is no
+// include guard; FARFIELD_LANES must be 4 or 8, and the including namespace is for this file alone.
 
 typedef float Floats __attribute__((vector_size(4 * FARFIELD_LANES)));
 typedef std::int32_t Ints __attribute__((vector_size(4 * FARFIELD_LANES)));
@@ -60,7 +60,7 @@ inline Words byte_of(Floats v) {
     return (Words) __builtin_convertvector(v > zero ? byte : zero, Ints);
 }
 
-/// False if one of those that are wanted is not opaque.
+/// Returns false if one of the wanted colors is not opaque.
 inline bool colors_at(Floats x, const ColorsOfRow& colors, Ints wanted, Words& out) {
     const Floats px = x * 256.0f + 128.0f;
     Floats w[3];

@@ -1,4 +1,4 @@
-// One triangle into a picture: by scan conversion, or deposited as a whole where it is small.
+// Draws one triangle into a picture: by scan conversion, or as one deposit if it is small.
 #pragma once
 
 #include <algorithm>
@@ -22,9 +22,9 @@
 #include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// What a fill asks for the color of a sample. Colors are known after prepare().
+/// A shade gives a fill the color of a sample; colors are known after prepare().
 struct OneColor {
     static constexpr bool is_one_color = true;
     const Rgba8& color;  ///< opaque
@@ -35,7 +35,7 @@ struct SeveralColors {
     const Rgba8 (&corners)[3];
     bool are_equal;
     std::optional<ColorPlane> plane{};  ///< set by prepare()
-    std::uint32_t hash = 0;             ///< of the triangle; likewise
+    std::uint32_t hash = 0;             ///< of the triangle; set by prepare()
 
     bool are_opaque() const { return corners[0].a == 255 && corners[1].a == 255 && corners[2].a == 255; }
     Rgba8 operator()(int x, int y) const {
@@ -45,54 +45,54 @@ struct SeveralColors {
     }
 };
 
-/// For as long as view and source stay. `light` is in the source's axes; null: colors as they are.
+/// Valid as long as view and source stay the same. `light` is in the source's axes; null leaves colors as they are.
 ///
-/// Fill says what becomes of samples: fill.rejects(triangle), asked before anything is set up, and
+/// Fill decides what is done with samples: fill.rejects(triangle) is called before anything is set up, then
 /// fill(triangle, doubled_area, prepare, shade), as in depth_tested_fill.hpp.
 template <class Fill>
 class TrianglePainter {
   public:
-    TrianglePainter(const TriangleStream& stream, const SampleProjection& to, const DirectionalLight* light,
+    TrianglePainter(const TriangleStream& stream, const SampleProjection& projection, const DirectionalLight* light,
                     bool culls_back_faces, const Fill& fill)
-        : stream_(stream), to_(to), light_(light), culls_back_faces_(culls_back_faces), fill_(fill) {}
+        : stream_(stream), projection_(projection), light_(light), culls_back_faces_(culls_back_faces), fill_(fill) {}
 
-    /// A lane of TriageMasks::draw.
+    /// Draws a lane of TriageMasks::draw.
     void draw(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane) {
         SnappedTriangle t = snapped(triaged, lane);
         draw(triangle, t);
     }
 
-    /// A lane of TriageMasks::draw that was deposited too: as far away as its farthest corner, so that it hides neither
-    /// its own deposit nor its neighbors'.
+    /// Draws a lane of TriageMasks::draw that was deposited too, as far away as its farthest corner, so that it hides
+    /// neither its own deposit nor its neighbors'.
     void draw_behind(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane) {
         SnappedTriangle t = snapped(triaged, lane);
         t.q[0] = t.q[1] = t.q[2] = std::min(std::min(t.q[0], t.q[1]), t.q[2]);
         draw(triangle, t);
     }
 
-    /// A lane of TriageMasks::clip.
+    /// Draws a lane of TriageMasks::clip.
     void draw_clipped(std::uint32_t triangle) {
         ClippedPolygon polygon;
         const Rgba8* colors = stream_.colors(triangle);
         for (unsigned c = 0; c < 3; ++c) {
-            polygon.add(stream_.vertex(triangle, c), to_, to_vec4(colors[stream_.several_colors() ? c : 0]));
+            polygon.add(stream_.vertex(triangle, c), projection_, to_vec4(colors[stream_.several_colors() ? c : 0]));
         }
-        polygon.clip(to_);
+        polygon.clip(projection_);
         for (std::size_t i = 2; i < polygon.size(); ++i) {
             SnappedTriangle t;
             Rgba8 corners[3];
             const std::size_t from[3] = {0, i - 1, i};
             for (unsigned c = 0; c < 3; ++c) {
-                polygon.snap(from[c], to_, t, c);
+                polygon.snap(from[c], projection_, t, c);
                 corners[c] = to_rgba8(polygon[from[c]].color);
             }
             draw(triangle, t, corners);
         }
     }
 
-    /// A lane of TriageMasks::small, into fill.buffers() after SampleBuffers::begin_far(): a square of its area about
-    /// its centroid, in the mean of its corners' colors. `opaque` is what its law takes where it covers all and lets
-    /// nothing through.
+    /// Deposits a lane of TriageMasks::small into fill.buffers(), after SampleBuffers::begin_far(): a square of its
+    /// area around its centroid, in the mean of its corners' colors. `opaque` is its law's loss where something opaque
+    /// covers all.
     void deposit(std::uint32_t triangle, const TriagedBlock& triaged, unsigned lane, bool front, Loss opaque) {
         const Rgba8* colors = stream_.colors(triangle);
         const bool several = stream_.several_colors();
@@ -125,7 +125,7 @@ class TrianglePainter {
         return t;
     }
 
-    /// On the side that is seen, any length.
+    /// The normal on the visible side, of any length.
     glm::vec3 normal(std::uint32_t triangle, bool front) const {
         const glm::vec3 a = stream_.vertex(triangle, 0);
         const glm::vec3 n = glm::cross(stream_.vertex(triangle, 1) - a, stream_.vertex(triangle, 2) - a);
@@ -164,7 +164,7 @@ class TrianglePainter {
         SeveralColors shade{colors, one_color};
         const auto prepare = [&] {
             light();
-            shade.plane.emplace(t, doubled_area, to_.is_perspective);
+            shade.plane.emplace(t, doubled_area, projection_.is_perspective);
             shade.hash =
                 hash_of_triangle(stream_.vertex(triangle, 0), stream_.vertex(triangle, 1), stream_.vertex(triangle, 2));
         };
@@ -172,10 +172,10 @@ class TrianglePainter {
     }
 
     const TriangleStream& stream_;
-    const SampleProjection& to_;
+    const SampleProjection& projection_;
     const DirectionalLight* light_;
     bool culls_back_faces_;
     const Fill& fill_;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

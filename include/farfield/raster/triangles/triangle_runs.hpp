@@ -1,4 +1,4 @@
-// Runs of triangles, a block at a time.
+// Goes through runs of triangles, a block at a time.
 #pragma once
 
 #include <bit>
@@ -7,18 +7,18 @@
 #include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// Calls f(block, masks, triaged, in_range) for each block that has some of triangles [first, end), whose lanes are set
-/// in `in_range`.
+/// Calls f(block, masks, triaged, in_range) for each block that holds some of the triangles [first, end); `in_range`
+/// marks their lanes.
 template <class F>
 void for_triaged_blocks(const TriangleStream& stream, std::uint32_t first, std::uint32_t end,
-                        const SampleProjection& to, TriageFunction triage, F&& f) {
+                        const SampleProjection& projection, TriageFunction triage, F&& f) {
     if (first >= end) return;
     constexpr std::uint32_t lanes = TriangleBlock::lanes;
     TriagedBlock triaged;
     for (std::uint32_t block = first / lanes; block <= (end - 1) / lanes; ++block) {
-        const TriageMasks masks = triage(stream.blocks()[block], to, triaged);
+        const TriageMasks masks = triage(stream.blocks()[block], projection, triaged);
         unsigned in_range = ~0u;
         if (block * lanes < first) in_range &= ~0u << (first - block * lanes);
         if ((block + 1) * lanes > end) in_range &= (1u << (end - block * lanes)) - 1;
@@ -26,12 +26,12 @@ void for_triaged_blocks(const TriangleStream& stream, std::uint32_t first, std::
     }
 }
 
-/// Triangles [first, end), those that hold samples, in their order.
+/// Draws those of the triangles [first, end) that may hold samples, in their order.
 template <class Painter>
-void draw_triangles(const TriangleStream& stream, std::uint32_t first, std::uint32_t end, const SampleProjection& to,
-                    TriageFunction triage, Painter& painter) {
+void draw_triangles(const TriangleStream& stream, std::uint32_t first, std::uint32_t end,
+                    const SampleProjection& projection, TriageFunction triage, Painter& painter) {
     for_triaged_blocks(
-        stream, first, end, to, triage,
+        stream, first, end, projection, triage,
         [&](std::uint32_t block, const TriageMasks& masks, const TriagedBlock& triaged, unsigned in_range) {
             for (unsigned left = (masks.draw | masks.clip) & in_range; left != 0; left &= left - 1) {
                 const auto lane = unsigned(std::countr_zero(left));
@@ -45,4 +45,4 @@ void draw_triangles(const TriangleStream& stream, std::uint32_t first, std::uint
         });
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,4 +1,4 @@
-// Triangles as the rasterizer wants them: in the hierarchy's order, eight at a time, coordinate by coordinate.
+// Triangles in the layout of the rasterizer: in the hierarchy's order, eight at a time, coordinate by coordinate.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 #include "farfield/primitive.hpp"
 #include "farfield/renderer.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
 /// Eight triangles, structure of arrays: v[3 * corner + axis][lane]. Small runs start anywhere, so blocks are short.
 struct TriangleBlock {
@@ -17,7 +17,7 @@ struct TriangleBlock {
     float v[9][lanes];
 };
 
-/// A source, tessellated. 36 bytes of coordinates a triangle and 4 of color (12 where any triangle has several).
+/// A source in triangles: each takes 36 bytes of coordinates and 4 of color (12 if any triangle has several colors).
 class TriangleStream {
   public:
     template <PrimitiveWithPolygons P>
@@ -36,7 +36,7 @@ class TriangleStream {
             first_triangle_.push_back(count_);
         }
         if (!several_colors_) {
-            // What was kept by vertex while it was unknown is kept once.
+            // Colors were kept by vertex until now; one a triangle is enough.
             for (std::size_t t = 0; t < count_; ++t) colors_[t] = colors_[3 * t];
             colors_.resize(count_);
             colors_.shrink_to_fit();
@@ -46,11 +46,11 @@ class TriangleStream {
     std::uint32_t size() const { return count_; }
     const TriangleBlock* blocks() const { return blocks_.data(); }
     bool several_colors() const { return several_colors_; }
-    /// Of one triangle: three colors if several_colors(), else one.
+    /// The colors of one triangle: three if several_colors(), else one.
     const Rgba8* colors(std::uint32_t triangle) const {
         return &colors_[several_colors_ ? 3 * std::size_t(triangle) : triangle];
     }
-    /// Positions to triangles.
+    /// The first triangle of the primitive at a position.
     std::uint32_t first_triangle(std::uint32_t position) const {
         return first_triangle_.empty() ? position : first_triangle_[position];
     }
@@ -86,4 +86,4 @@ class TriangleStream {
     bool several_colors_ = false;
 };
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,6 +1,6 @@
-// Which triangles hold a sample at all? Far away nearly none does, and a triangle must then cost next to nothing: it is
-// transformed, snapped and rejected many at a step, before any set-up. Where small ones are deposited instead, what a
-// deposit takes is made in the same step.
+// Which triangles hold a sample at all? Far away almost none does, and a triangle must then cost next to nothing:
+// several are transformed, snapped and rejected at a step, before any setup. Where small ones are deposited instead,
+// the same step computes what a deposit needs.
 //
 // The same source is compiled for vectors of one, four and eight lanes (simd.hpp); all widths compute the same bits.
 #pragma once
@@ -12,13 +12,14 @@
 #include "farfield/raster/snapping.hpp"
 #include "farfield/raster/triangles/triangle_stream.hpp"
 
-namespace farfield {
+namespace farfield::detail {
 
-/// A triangle whose bounding box is smaller than this many samples on both axes is small: it may be deposited.
+/// A triangle is small, and may be deposited, if its bounding box is smaller than this many samples on both axes.
 inline constexpr float deposited_below = 2.0f;
 
-/// Valid for lanes in TriageMasks::draw: corners in 1/256 sample, relative to the center sample, to be snapped. For
-/// lanes in TriageMasks::small: centroid in samples, relative likewise, and area in squared samples, above 0.
+/// Corners are valid for lanes in TriageMasks::draw: in 1/256 sample relative to the center sample, not yet snapped.
+/// Centroid and area are valid for lanes in TriageMasks::small: in samples relative to the center sample, and in
+/// squared samples, above 0.
 struct TriagedBlock {
     float x[3][TriangleBlock::lanes];
     float y[3][TriangleBlock::lanes];
@@ -29,12 +30,12 @@ struct TriagedBlock {
     float area[TriangleBlock::lanes];
 };
 
-/// One bit a lane.
+/// Each mask has one bit a lane.
 struct TriageMasks {
     unsigned draw;   ///< may hold a sample of the image
     unsigned clip;   ///< crosses the near plane or leaves the guard band: see polygon_clip.hpp
-    unsigned small;  ///< to be deposited: has an area and touches the image. None where that is not asked for
-    unsigned front;  ///< of the small: counter-clockwise on the screen
+    unsigned small;  ///< to be deposited: has an area and touches the image. 0 where nothing is deposited
+    unsigned front;  ///< for small ones: counter-clockwise on the screen
 };
 
 #define FARFIELD_LANES 1
@@ -69,4 +70,4 @@ TriageFunction triage_function(Simd simd) {
     return lanes >= 4 ? &four_lanes::triage_any<deposits> : &one_lane::triage_any<deposits>;
 }
 
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -1,11 +1,11 @@
-// One idea, compiled once for each width of vectors: see triangle_triage.hpp. No include guard; expects
-// FARFIELD_LANES (1, 4 or 8) and to stand inside a namespace of its own.
+// Triages a block of triangles; compiled once for each width of vectors, see triangle_triage.hpp. There is no include
+// guard; FARFIELD_LANES must be 1, 4 or 8, and the including namespace is for this file alone.
 
 typedef float Floats __attribute__((vector_size(4 * FARFIELD_LANES)));
 typedef std::int32_t Ints __attribute__((vector_size(4 * FARFIELD_LANES)));
 typedef std::uint32_t Words __attribute__((vector_size(4 * FARFIELD_LANES)));
 
-// The conditional operator, lane by lane: compilers know these as single instructions.
+// The conditional operator works lane by lane, and compilers turn these into single instructions.
 inline Floats lower(Floats a, Floats b) {
     return a < b ? a : b;
 }
@@ -36,40 +36,40 @@ inline void store(T* p, V v) {
 }
 
 inline Ints snapped(Floats v) {
-    // 1.5 * 2^23: the sum's last bit is worth one, and the bits below the constant's are the integer.
-    // Unsigned: what lies far outside the guard band wraps, and is clipped.
+    // The constant is 1.5 * 2^23: the sum's last bit is worth one, and the bits below the constant's are the integer.
+    // Unsigned, because values far outside the guard band wrap; those are clipped.
     return (Ints)((Words)(v + snap_rounder) - snap_rounder_bits);
 }
 
 template <bool perspective, bool deposits>
-inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to, TriagedBlock& out) {
+inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& projection, TriagedBlock& out) {
     TriageMasks masks{0, 0, 0, 0};
     for (unsigned first = 0; first < TriangleBlock::lanes; first += FARFIELD_LANES) {
         Floats x[3], y[3], q[3];
         Ints behind[3];
         for (unsigned c = 0; c < 3; ++c) {
-            const Floats dx = load(block.v[3 * c] + first) - to.eye.x;
-            const Floats dy = load(block.v[3 * c + 1] + first) - to.eye.y;
-            const Floats dz = load(block.v[3 * c + 2] + first) - to.eye.z;
-            const Floats depth = dx * to.forward.x + dy * to.forward.y + dz * to.forward.z;
-            x[c] = dx * to.right.x + dy * to.right.y + dz * to.right.z;
-            y[c] = dx * to.down.x + dy * to.down.y + dz * to.down.z;
+            const Floats dx = load(block.v[3 * c] + first) - projection.eye.x;
+            const Floats dy = load(block.v[3 * c + 1] + first) - projection.eye.y;
+            const Floats dz = load(block.v[3 * c + 2] + first) - projection.eye.z;
+            const Floats depth = dx * projection.forward.x + dy * projection.forward.y + dz * projection.forward.z;
+            x[c] = dx * projection.right.x + dy * projection.right.y + dz * projection.right.z;
+            y[c] = dx * projection.down.x + dy * projection.down.y + dz * projection.down.z;
             if constexpr (perspective) {
                 const Floats inverse = 1.0f / depth;
                 x[c] *= inverse;
                 y[c] *= inverse;
-                q[c] = inverse * to.q_of_inverse;
+                q[c] = inverse * projection.q_of_inverse;
             } else {
-                q[c] = depth * to.q_of_depth;
+                q[c] = depth * projection.q_of_depth;
             }
-            x[c] += to.offset_x;
-            y[c] += to.offset_y;
-            behind[c] = (Ints)(depth < to.near_depth);
+            x[c] += projection.offset_x;
+            y[c] += projection.offset_y;
+            behind[c] = (Ints)(depth < projection.near_depth);
             store(out.x[c] + first, x[c]);
             store(out.y[c] + first, y[c]);
             store(out.q[c] + first, q[c]);
         }
-        // Rounding keeps order: the box is snapped, its corners where it matters.
+        // Rounding keeps the order, so snapping the box suffices; corners are snapped where they matter.
         const Floats low_x = lower(lower(x[0], x[1]), x[2]), high_x = upper(upper(x[0], x[1]), x[2]);
         const Floats low_y = lower(lower(y[0], y[1]), y[2]), high_y = upper(upper(y[0], y[1]), y[2]);
         const float guard = SampleProjection::guard_band * 256;
@@ -77,19 +77,21 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to
             (Ints)(low_x > -guard) & (Ints)(high_x < guard) & (Ints)(low_y > -guard) & (Ints)(high_y < guard);
         const Ints gone = behind[0] & behind[1] & behind[2];
         const Ints clip = (~in_guard_band | behind[0] | behind[1] | behind[2]) & ~gone;
-        // Samples i with 256 i + 128 inside [lowest, highest].
+        // A sample i is inside if 256 i + 128 is in [lowest, highest].
         const Ints x0 = (snapped(low_x) + 127) >> 8, x1 = (snapped(high_x) - 128) >> 8;
         const Ints y0 = (snapped(low_y) + 127) >> 8, y1 = (snapped(high_y) - 128) >> 8;
-        const Ints holds_no_sample = (Ints)(x0 > x1) | (Ints)(y0 > y1) | (Ints)(x0 >= to.end_x) |
-                                     (Ints)(y0 >= to.end_y) | (Ints)(x1 < to.first_x) | (Ints)(y1 < to.first_y);
+        const Ints holds_no_sample = (Ints)(x0 > x1) | (Ints)(y0 > y1) | (Ints)(x0 >= projection.end_x) |
+                                     (Ints)(y0 >= projection.end_y) | (Ints)(x1 < projection.first_x) |
+                                     (Ints)(y1 < projection.first_y);
         masks.draw |= bits(~(holds_no_sample | clip | gone)) << first;
         masks.clip |= bits(clip) << first;
         if constexpr (deposits) {
             const float limit = deposited_below * 256;
             const Ints is_small = (Ints)(high_x - low_x < limit) & (Ints)(high_y - low_y < limit);
             const Floats doubled_area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
-            const Ints in_image = (Ints)(high_x > float(to.first_x) * 256) & (Ints)(low_x < float(to.end_x) * 256) &
-                                  (Ints)(high_y > float(to.first_y) * 256) & (Ints)(low_y < float(to.end_y) * 256);
+            const Ints in_image =
+                (Ints)(high_x > float(projection.first_x) * 256) & (Ints)(low_x < float(projection.end_x) * 256) &
+                (Ints)(high_y > float(projection.first_y) * 256) & (Ints)(low_y < float(projection.end_y) * 256);
             masks.small |= bits(is_small & in_image & (Ints)(doubled_area != 0.0f) & ~(clip | gone)) << first;
             masks.front |= bits((Ints)(doubled_area < 0.0f)) << first;
             store(out.center_x + first, (x[0] + x[1] + x[2]) * (1.0f / 768));
@@ -102,6 +104,7 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& to
 }
 
 template <bool deposits>
-inline TriageMasks triage_any(const TriangleBlock& block, const SampleProjection& to, TriagedBlock& out) {
-    return to.is_perspective ? triage<true, deposits>(block, to, out) : triage<false, deposits>(block, to, out);
+inline TriageMasks triage_any(const TriangleBlock& block, const SampleProjection& projection, TriagedBlock& out) {
+    return projection.is_perspective ? triage<true, deposits>(block, projection, out)
+                                     : triage<false, deposits>(block, projection, out);
 }
