@@ -4,12 +4,12 @@
 #
 #   tests/promises/same_pictures.sh OLD_WALKTHROUGH NEW_WALKTHROUGH [DIRECTORY]
 #
-# Pictures of the old build that lie in DIRECTORY (default: a temporary one) are taken as they are.
+# Environment: SCENES, names and files with blanks between them. Pictures of the old build that lie in DIRECTORY (default: a temporary one) are taken as they are.
 set -euo pipefail
 
 [[ $# -ge 2 ]] || { sed -n '2,/^set/s/^# \{0,1\}//p' "$0" | sed '$d' >&2; exit 2; }
 old="$1" new="$2" directory="${3:-$(mktemp -d)}"
-scenes=(tree forest-instanced island building chessboard cube)
+read -r -a scenes <<<"${SCENES:-tree molecule island building chessboard cube}"
 renderers=("z-buffer 1" "z-buffer 4" "coverage 1" "coverage 64" "hierarchical-z 1" "painter 4")
 differing=0 compared=0
 
@@ -26,7 +26,7 @@ for scene in "${scenes[@]}"; do
         for place in "flight 2" "far 1 --distance 5 --angle 20"; do
             read -r name tolerance arguments <<<"$place"
             read -r renderer_name samples <<<"$renderer"
-            case="$scene-$renderer_name-$samples-$name"
+            case="${scene##*/}-$renderer_name-$samples-$name"
             for build in old new; do
                 out="$directory/$build/$case"
                 [[ $build == new || ! -d "$out" ]] || continue
