@@ -28,14 +28,14 @@ int main() {
     std::vector<Instance<Hierarchy, Triangle>> forest;
     for (int i = 0; i < 40'000; ++i) {
         Similarity place;
-        place.translation = {3 * (i % 200), 0, 3 * (i / 200)};
+        place.translation = {300 * number(), 0, 300 * number()};
         forest.push_back({&tree, leaves, place});
     }
     const auto hierarchy = build<Hierarchy>(forest);
 
     ZBufferRenderer renderer;  // or one of your own
     auto viewer = make_viewer(hierarchy, forest, renderer);
-    const auto camera = Camera::perspective({300, 300, 840}, {300, 0, 300}, {0, 1, 0}, 0.8f);
+    const auto camera = Camera::perspective({0, 300, 540}, {0, 0, 0}, {0, 1, 0}, 0.8f);
     const auto stats = viewer.frame({.camera = camera, .width = 640, .height = 360, .tolerance_px = 1});
     std::cout << stats.approximations << " stand-ins and " << stats.primitives << " triangles drawn for "
               << leaves.size() * forest.size() / 1'000'000 << " million\n";  // the picture is renderer.image()
