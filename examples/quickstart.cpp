@@ -2,26 +2,18 @@
 #include <random>
 #include <vector>
 
-#include "farfield/approximation/opacity_tensor.hpp"
-#include "farfield/build.hpp"
-#include "farfield/cost_model/triangle_count.hpp"
-#include "farfield/partition/octree.hpp"
-#include "farfield/primitive/instance.hpp"
-#include "farfield/primitive/triangle.hpp"
-#include "farfield/renderer/z_buffer_renderer.hpp"
-#include "farfield/viewer.hpp"
+#include "farfield/farfield.hpp"
 using namespace farfield;
 using Hierarchy = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
 
 int main() {
     std::mt19937 random;
-    const auto number = [&] { return float(random() % 2000) / 1000 - 1; };  // between -1 and 1
-    std::vector<Triangle> leaves;                                           // 10,000 in a ball: a tree
+    const auto number = [&] { return float(random() % 2000) / 1000 - 1; };
+    const auto point = [&] { return glm::vec3{number(), number(), number()}; };
+    std::vector<Triangle> leaves;  // of a tree: a ball
     while (leaves.size() < 10'000) {
-        const glm::vec3 at{number(), number(), number()};
-        const glm::vec3 a{number(), number(), number()}, b{number(), number(), number()};
-        if (glm::length(at) > 1) continue;
-        leaves.push_back({{at, at + 0.05f * a, at + 0.05f * b}, {60, std::uint8_t(150 + 80 * at.y), 40}});
+        const glm::vec3 a = point(), b = a + 0.05f * point(), c = a + 0.05f * point();
+        if (glm::length(a) < 1) leaves.push_back({{a, b, c}, {60, std::uint8_t(150 + 80 * a.y), 40}});
     }
     const auto tree = build<Hierarchy>(leaves);
 
@@ -33,7 +25,7 @@ int main() {
     }
     const auto hierarchy = build<Hierarchy>(forest);
 
-    ZBufferRenderer renderer;  // or one of your own
+    ZBufferRenderer renderer;
     auto viewer = make_viewer(hierarchy, forest, renderer);
     const auto camera = Camera::perspective({0, 300, 540}, {0, 0, 0}, {0, 1, 0}, 0.8f);
     const auto stats = viewer.frame({.camera = camera, .width = 640, .height = 360, .tolerance_px = 1});
