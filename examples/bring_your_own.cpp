@@ -20,7 +20,6 @@ struct Tile {
     Box bounds() const { return {glm::min(corners[0], corners[2]), glm::max(corners[0], corners[2])}; }
     void polygons(auto&& sink) const { sink(Polygon{corners, {&color, 1}}); }
 };
-
 struct Counter {
     static constexpr RendererFacts facts{.draws_faces = true};
     std::size_t polygons = 0, faces = 0;
