@@ -1,5 +1,6 @@
 # README.md shows programs word for word, so that what it says compiles: examples/quickstart.cpp as a whole, and its other
 # C++ from examples/bring_your_own.cpp. What it shows below the quick start is what that prints, where examples are built.
+# Links of all pages lead to what is there.
 cmake_minimum_required(VERSION 3.23)
 file(READ "${SOURCE_DIRECTORY}/README.md" readme)
 file(READ "${SOURCE_DIRECTORY}/examples/quickstart.cpp" quickstart)
@@ -36,3 +37,23 @@ if(QUICKSTART)
     message(FATAL_ERROR "README.md does not show what the quick start prints: ${output}")
   endif()
 endif()
+
+file(GLOB_RECURSE pages "${SOURCE_DIRECTORY}/include/*.md")
+foreach(page IN ITEMS "${SOURCE_DIRECTORY}/README.md" "${SOURCE_DIRECTORY}/bench/README.md" LISTS pages)
+  cmake_path(GET page PARENT_PATH folder)
+  file(READ "${page}" rest)
+  while(TRUE)
+    string(FIND "${rest}" "](" begin)
+    if(begin EQUAL -1)
+      break()
+    endif()
+    math(EXPR begin "${begin} + 2")
+    string(SUBSTRING "${rest}" ${begin} -1 rest)
+    string(FIND "${rest}" ")" end)
+    string(SUBSTRING "${rest}" 0 ${end} link)
+    string(REGEX REPLACE "#.*" "" link "${link}")
+    if(NOT link MATCHES "[ &]|^https?:" AND NOT EXISTS "${folder}/${link}") # a space: a lambda
+      message(SEND_ERROR "${page} links to ${link}, which is not there")
+    endif()
+  endwhile()
+endforeach()
