@@ -1,30 +1,34 @@
 #include <iostream>
-#include <span>
+#include <random>
 #include <vector>
 
-#include "farfield/approximation/color_cube.hpp"
-#include "farfield/build.hpp"
-#include "farfield/cost_model/triangle_count.hpp"
-#include "farfield/partition/octree.hpp"
-#include "farfield/primitive/triangle.hpp"
-#include "farfield/renderer/z_buffer_renderer.hpp"
-#include "farfield/viewer.hpp"
+#include "farfield/farfield.hpp"
 using namespace farfield;
+using Hierarchy = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
 
 int main() {
-    std::vector<Triangle> grass;  // a meadow of a million blades
-    for (int i = 0; i < 1'000'000; ++i) {
-        const glm::vec3 root(float(i % 1000), 0, float(i / 1000));
-        const glm::vec3 tip(root + glm::vec3(0.3f, 1 + 0.2f * float(i % 7), 0.2f * float(i % 5)));
-        grass.push_back({{root, root + glm::vec3(0.5f, 0, 0), tip}, {60, std::uint8_t(120 + i % 80), 40}});
+    std::mt19937 random;
+    const auto number = [&] { return float(random() % 2000) / 1000 - 1; };
+    const auto point = [&] { return glm::vec3{number(), number(), number()}; };
+    std::vector<Triangle> leaves;  // of a tree: a ball
+    while (leaves.size() < 10'000) {
+        const glm::vec3 a = point(), b = a + 0.05f * point(), c = a + 0.05f * point();
+        if (glm::length(a) < 1) leaves.push_back({{a, b, c}, {60, std::uint8_t(150 + 80 * a.y), 40}});
     }
-    using Hierarchy = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
-    const Hierarchy hierarchy = build<Hierarchy>(grass);
+    const auto tree = build<Hierarchy>(leaves);
 
-    ZBufferRenderer renderer;  // or one of your own
-    auto viewer = make_viewer(hierarchy, grass, renderer);
-    const auto camera = Camera::perspective({500, 200, 3000}, {500, 0, 0}, {0, 1, 0}, 0.8f);
+    std::vector<Instance<Hierarchy, Triangle>> forest;
+    for (int i = 0; i < 40'000; ++i) {
+        Similarity place;
+        place.translation = {300 * number(), 0, 300 * number()};
+        forest.push_back({&tree, leaves, place});
+    }
+    const auto hierarchy = build<Hierarchy>(forest);
+
+    ZBufferRenderer renderer;
+    auto viewer = make_viewer(hierarchy, forest, renderer);
+    const auto camera = Camera::perspective({0, 300, 540}, {0, 0, 0}, {0, 1, 0}, 0.8f);
     const auto stats = viewer.frame({.camera = camera, .width = 640, .height = 360, .tolerance_px = 1});
     std::cout << stats.approximations << " stand-ins and " << stats.primitives << " triangles drawn for "
-              << grass.size() << " triangles\n";  // the picture is renderer.image()
+              << leaves.size() * forest.size() / 1'000'000 << " million\n";  // the picture is renderer.image()
 }
