@@ -24,6 +24,7 @@
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
 #include "support/strict_order.hpp"
+#include "support/tilers.hpp"
 
 namespace farfield::test {
 namespace {

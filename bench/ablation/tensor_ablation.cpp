@@ -1,6 +1,6 @@
 // What each part of the opacity tensor buys: error, bytes and time with and without it, on scenes where it matters.
-// "Model no more than a scene needs": a default is on because a row here says so. bench/opacity_tensor.md explains the
-// parts.
+// "Model no more than a scene needs": a default is on because a row here says so.
+// include/farfield/approximation/opacity_tensor/README.md explains the parts.
 //
 // Each variant differs from the first, which has the defaults, in one thing; what is no option is left out here, not in
 // the library. The first is measured against another one of its kind: what it differs by from 1 is the machine's noise.

@@ -23,8 +23,8 @@ class SceneViewer {
   public:
     virtual ~SceneViewer() = default;
     virtual FrameStats frame(const View& view) = 0;
-    /// What frame() draws, geometry in gray and stand-ins, if there are any, tinted by level; premultiplied, coverage in
-    /// alpha.
+    /// What frame() draws, geometry in gray and stand-ins, if there are any, tinted by level; premultiplied, coverage
+    /// in alpha.
     virtual Image how_drawn(const View& view) {
         frame(view);
         return image();

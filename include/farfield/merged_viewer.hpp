@@ -112,19 +112,8 @@ class MergedViewer {
         const std::string name = "farfield::MergedViewer: body " + std::to_string(b);
         const Body& body = bodies_[b];
         if (body.hierarchy == nullptr) throw std::invalid_argument(name + " has no hierarchy");
-        if (body.primitives.size() != body.hierarchy->primitive_count()) {
-            throw std::invalid_argument(name + " was built from " + std::to_string(body.hierarchy->primitive_count()) +
-                                        " primitives and is given " + std::to_string(body.primitives.size()));
-        }
-        if (!body.hierarchy->keeps_strict_order()) {
-            throw std::invalid_argument(name + " does not keep its polygons in strict order in " +
-                                        std::to_string(body.hierarchy->report().cells_out_of_order) +
-                                        " cells (BuildReport::cells_out_of_order)");
-        }
-        if (body.hierarchy->is_from_file() &&
-            detail::fingerprint_of(body.primitives) != body.hierarchy->fingerprint()) {
-            throw std::invalid_argument(name + " was built from other primitives, or in another order");
-        }
+        detail::check_source(name.c_str(), *body.hierarchy, body.primitives, /*needs_strict_order=*/true);
+        detail::check_fingerprint(name.c_str(), *body.hierarchy, body.primitives);
         sources_.add_all(*body.hierarchy, body.primitives);
     }
 

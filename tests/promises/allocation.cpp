@@ -18,6 +18,7 @@
 #include "farfield/viewer.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
+#include "support/tilers.hpp"
 #include "support/variants.hpp"
 
 namespace {

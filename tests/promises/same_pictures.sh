@@ -4,7 +4,8 @@
 #
 #   tests/promises/same_pictures.sh OLD_WALKTHROUGH NEW_WALKTHROUGH [DIRECTORY]
 #
-# Environment: SCENES, names and files with blanks between them. Pictures of the old build that lie in DIRECTORY (default: a temporary one) are taken as they are.
+# Environment: SCENES, names and files with blanks between them. Pictures of the old build that lie in DIRECTORY
+# (default: a temporary one) are taken as they are.
 set -euo pipefail
 
 [[ $# -ge 2 ]] || { sed -n '2,/^set/s/^# \{0,1\}//p' "$0" | sed '$d' >&2; exit 2; }
@@ -18,7 +19,7 @@ draw() {
     local walkthrough="$1" out="$2" variants=all
     [[ "$4" != painter ]] || variants=bsp,octree-of-bsps
     "$walkthrough" --scene "$3" --variant "$variants" --renderer "$4" --samples "$5" --tolerance "$6" --size 160x120 \
-        --frames 2 --out "$out" "${@:7}" >"$out.txt" 2>&1 || { cat "$out.txt" >&2; exit 1; }
+        --frames 2 --out "$out" "${@:7}" >"$out.txt" 2>&1 || echo "refused by $walkthrough: $(tail -n 1 "$out.txt")"
 }
 
 for scene in "${scenes[@]}"; do

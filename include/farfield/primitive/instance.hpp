@@ -14,7 +14,7 @@
 namespace farfield {
 
 /// `hierarchy` and `primitives` are borrowed and outlive the instance; a Viewer would get the same. P may be a type
-/// that holds instances of the same H, so that one type serves any depth (see the README).
+/// that holds instances of the same H, so that one type serves any depth (examples/custom_primitive/brick.hpp).
 ///
 /// The hierarchy that holds it sees the bounds of its whole contents, the work of drawing it where it is small, and the
 /// polygons of its root's stand-in (or, without one, of its contents), turned.

@@ -144,16 +144,21 @@ struct CoverageTiler {
     /// is grown by `grown_by` / 256 samples.
     bool (*is_seen)(Target&, const Silhouette&, int grown_by);
 
-    explicit CoverageTiler(Simd simd) : tile(&one_lane::tile<Target>), is_seen(&one_lane::is_seen<Target>) {
-#if defined(__x86_64__)
-        const int lanes = lanes_for(simd);
-        if (lanes >= 4) tile = &four_lanes::tile<Target>, is_seen = &four_lanes::is_seen<Target>;
-        if (lanes >= 8) tile = &eight_lanes::tile<Target>, is_seen = &eight_lanes::is_seen<Target>;
-        if (lanes >= 16) tile = &sixteen_lanes::tile<Target>, is_seen = &sixteen_lanes::is_seen<Target>;
-#else
-        static_cast<void>(simd);
-#endif
-    }
+    explicit CoverageTiler(Simd simd);
 };
+
+/// It is not inline, so that `extern template struct CoverageTiler<...>` keeps a program from compiling four tilers in
+/// every file that draws with masks.
+template <class Target>
+CoverageTiler<Target>::CoverageTiler(Simd simd) : tile(&one_lane::tile<Target>), is_seen(&one_lane::is_seen<Target>) {
+#if defined(__x86_64__)
+    const int lanes = lanes_for(simd);
+    if (lanes >= 4) tile = &four_lanes::tile<Target>, is_seen = &four_lanes::is_seen<Target>;
+    if (lanes >= 8) tile = &eight_lanes::tile<Target>, is_seen = &eight_lanes::is_seen<Target>;
+    if (lanes >= 16) tile = &sixteen_lanes::tile<Target>, is_seen = &sixteen_lanes::is_seen<Target>;
+#else
+    static_cast<void>(simd);
+#endif
+}
 
 }  // namespace farfield::detail

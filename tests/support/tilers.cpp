@@ -1,0 +1,8 @@
+#include "support/tilers.hpp"
+
+namespace farfield::detail {
+
+template struct CoverageTiler<CoverageTarget<LazyCoverage>>;
+template struct CoverageTiler<CoverageTarget<StrictCoverage>>;
+
+}  // namespace farfield::detail
