@@ -116,10 +116,10 @@ TEST_CASE("a disk that becomes full while saving keeps the old file and leaves n
     const auto few = built<OctreeOfCubes>(scene(1)), many = built<OctreeOfCubes>(scene(5000));
     save(few, target);
     const Bytes before = read_file(target);
-    REQUIRE(before.size() < 4096);           // one that is written when all of it is there,
-    REQUIRE(saved_size(many) > 100 * 1024);  // and one that is written piece by piece
+    REQUIRE(before.size() < 4096);      // one that is written when all of it is there,
+    REQUIRE(saved_size(many) > 30000);  // and one that is written piece by piece
     for (const auto* h : {&few, &many}) {
-        for (const std::size_t room : {0u, 1u, 640u, 700u, 40000u}) {
+        for (const std::size_t room : {0u, 1u, 640u, 700u, 20000u}) {
             if (room >= saved_size(*h)) continue;
             INFO("room for " << room << " of " << saved_size(*h) << " bytes");
             const std::string why = [&] {
