@@ -129,7 +129,8 @@ TEMPLATE_TEST_CASE("progress is told phase by phase, never goes back and ends wh
             if (many_threads) options.executor = ThreadExecutor(3);
             CHECK(same(build<TestType>(triangles, options), build<TestType>(triangles)));
             CHECK(told.size() < 1000);
-            if (count > 1) CHECK(told.size() > 1);
+            // Where polygons are cut, branches of 4,096 pieces or fewer are a step.
+            if (count > 1) CHECK(told.size() > (TestType::assignment == Assignment::clipped ? 0 : 1));
             for (std::size_t i = 0; i < told.size(); ++i) {
                 CHECK(told[i].done <= told[i].total);
                 if (i == 0) continue;
@@ -152,7 +153,7 @@ TEMPLATE_TEST_CASE("a build may be canceled whenever it asks, and leaves primiti
         std::size_t calls = 0;
         options.progress = [&](const BuildProgress&) { return ++calls != 0; };
         build<TestType>(triangles, options);
-        REQUIRE(calls > 1);
+        REQUIRE(calls > 0);
         const std::size_t all = calls;
         for (std::size_t last = 1; last <= all; last += 1 + all / 40) {
             calls = 0;
