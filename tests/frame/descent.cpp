@@ -10,9 +10,9 @@
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/viewer.hpp"
-#include "support/pictures.hpp"
 #include "support/recorder.hpp"
 #include "support/scenes.hpp"
+#include "support/views.hpp"
 
 using namespace farfield;
 using namespace farfield::test;

@@ -4,7 +4,7 @@
 
 #include "catch.hpp"
 #include "farfield/primitive/triangle.hpp"
-#include "support/pictures.hpp"
+#include "support/views.hpp"
 
 using namespace farfield;
 using namespace farfield::test;

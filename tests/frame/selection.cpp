@@ -113,8 +113,8 @@ bool same_counts(const FrameStats& a, const FrameStats& b) {
                       std::begin(b.approximations_by_level));
 }
 
-/// Runs may have laws. Selected is what suits a renderer that deposits; one that does not, this time, draws the same in
-/// more runs.
+/// Runs may have laws. Selected is what suits a renderer that deposits: where one does not, for once, culling may have
+/// been finer than it would have been for it.
 constexpr bool lawful = true;
 
 template <class R, class H, class P>
@@ -136,7 +136,7 @@ void check_drawn(const H& h, const std::vector<P>& primitives, bool has_laws = f
                 const FrameStats drawn = drawing.draw(selection);
                 INFO("tolerance " << view.tolerance_px << ", splats to " << splat);
                 if (has_laws && !deposits) {
-                    CHECK(at_once.draws.size() == later.draws.size());
+                    CHECK(later.draws.size() <= at_once.draws.size());
                     CHECK(at_once.splats.size() == later.splats.size());
                     for (const auto& draw : later.draws) CHECK_FALSE(draw.law);
                     continue;

@@ -12,8 +12,8 @@
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/view/local_view.hpp"
-#include "support/pictures.hpp"
 #include "support/scenes.hpp"
+#include "support/views.hpp"
 
 using namespace farfield;
 using namespace farfield::test;

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "support/pictures.hpp"
 #include "support/random.hpp"
+#include "support/views.hpp"
 
 using namespace farfield;
 using namespace farfield::detail;
@@ -56,26 +56,6 @@ TEST_CASE("parts go to the sides of a plane that they lie on, and those across i
     // What was there is forgotten.
     divide({}, frames, 0, plane, clips, sides);
     CHECK((sides.behind.empty() && sides.in_front.empty()));
-}
-
-TEST_CASE("a plane of one body is that of another, where that is") {
-    // A body twice as large, turned about y by a quarter turn, and moved.
-    Similarity placed;
-    placed.rotation = glm::mat3(glm::vec3(0, 0, -1), glm::vec3(0, 1, 0), glm::vec3(1, 0, 0));
-    placed.scale = 2;
-    placed.translation = {1, -1, 3};
-    const LocalView outer(looking({0, 1, 8}), glm::dvec3(0), 4);
-    const BodyFrame world(outer), body(outer.inside(placed, glm::dvec3(0), glm::dvec3(0)));
-    Random random(510);
-    const Cell cell = part(0, glm::vec3(-1), glm::vec3(1)).cell;
-    for (int i = 0; i < 200; ++i) {
-        const PlaneInCell plane(CuttingPlane{random.direction(), random.between(-1, 1)}, cell);
-        const PlaneInCell seen = body.seen(world, plane, cell);
-        for (int k = 0; k < 10; ++k) {
-            const glm::vec3 p = random.in_cube(1);
-            CHECK(seen.height(p) * 2 == Approx(plane.height(glm::vec3(placed.apply(glm::dvec3(p))))).margin(2e-5));
-        }
-    }
 }
 
 TEST_CASE("the largest of polygons in one plane says which") {

@@ -52,7 +52,6 @@ endfunction()
 
 # Concepts are tested together: with types that keep every promise and types that miss it by one thing.
 tested_by(composition approximation approximation/exact cost_model partition sampler)
-tested_by(renderer drawables)
 tested_by(consumer/main farfield)
 # Records without functions are tested by what makes them.
 tested_by(build build/build_progress)
@@ -60,10 +59,8 @@ tested_by(build/cell_splitter build/build_node)
 tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
 tested_by(renderer/z_buffer_renderer raster/render_options)
 # Parts that mean little by themselves are tested by what they are parts of, mostly against brute force.
-tested_by(primitive build/read_primitives)
 tested_by(build/polygon_splitter build/polygon_subtree geometry/fragments)
-tested_by(partition/octree geometry/cell)
-tested_by(partition/polygon_bsp build/read_polygons partition/plane_choice)
+tested_by(partition/polygon_bsp partition/plane_choice)
 tested_by(coverage/pixels/box_filter coverage/pixels/pixel_blocks)
 tested_by(coverage/pixels/cosine_hump_filter coverage/pixels/cosine_hump)
 tested_by(coverage/polygons/surface coverage/polygons/color_gradient coverage/polygons/scattered_samples)
@@ -73,15 +70,14 @@ tested_by(frame/selection frame/draw_now)
 tested_by(viewer frame/source_table)
 tested_by(measure/flip measure/flip_colors measure/flip_filters)
 tested_by(merged_viewer merged_viewer/body_walker merged_viewer/polygon_batch)
-tested_by(merged_viewer/split_region merged_viewer/body_frame)
-tested_by(raster/box_footprint raster/box_fronts raster/sample_rect)
+tested_by(raster/box_footprint raster/box_fronts)
 tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
           raster/far_field/transmittance_lanes_sse2)
 tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/triangles/triangle_painter
           raster/triangles/triangle_runs raster/triangles/triangle_stream raster/triangles/triangle_streams
           raster/triangles/triangle_triage)
-tested_by(renderer/z_buffer_renderer raster/light_in_view raster/samples/depth_tested_fill raster/samples/far_deposits
-          raster/samples/z_buffer_canvas raster/shading)
+tested_by(renderer/z_buffer_renderer raster/samples/depth_tested_fill raster/samples/far_deposits
+          raster/samples/z_buffer_canvas)
 tested_by(view/local_view raster/sample_projection)
 tested_by(tuning/advise tuning/variants)
 tested_by(voxel/voxel_pyramid voxel/voxel_masks)

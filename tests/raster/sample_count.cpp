@@ -5,7 +5,7 @@
 #include <string>
 
 #include "catch.hpp"
-#include "support/pictures.hpp"
+#include "support/views.hpp"
 
 using namespace farfield;
 using namespace farfield::test;

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "catch.hpp"
-#include "support/pictures.hpp"
 #include "support/random.hpp"
+#include "support/views.hpp"
 
 using namespace farfield;
 using namespace farfield::test;
