@@ -31,7 +31,7 @@ TEST_CASE("a face as a polygon is a rectangle that looks to its side, of its col
             for (const glm::vec3& corner : p.vertices) CHECK(corner[axis] == face.lower[axis]);
         });
         CHECK(calls == 1);
-        face.rgba = {};
+        face.rgba = {0, 0, 0, 0};
         emit_polygon(face, [](const Polygon&) { FAIL("nothing is seen of it"); });
     }
 }

@@ -67,7 +67,6 @@ tested_by(coverage/polygons/surface coverage/polygons/color_gradient coverage/po
 tested_by(renderer/coverage_renderer coverage/polygons/far_polygons coverage/polygons/polygon_setup)
 tested_by(coverage/tiler/mask_kernel raster/simd)
 tested_by(frame/selection frame/draw_now)
-tested_by(viewer frame/source_table)
 tested_by(measure/flip measure/flip_colors measure/flip_filters)
 tested_by(merged_viewer merged_viewer/body_walker merged_viewer/polygon_batch)
 tested_by(raster/box_footprint raster/box_fronts)
@@ -78,7 +77,6 @@ tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/t
           raster/triangles/triangle_triage)
 tested_by(renderer/z_buffer_renderer raster/samples/depth_tested_fill raster/samples/far_deposits
           raster/samples/z_buffer_canvas)
-tested_by(view/local_view raster/sample_projection)
 tested_by(tuning/advise tuning/variants)
 tested_by(voxel/voxel_pyramid voxel/voxel_masks)
 
