@@ -146,6 +146,8 @@ TEST_CASE("polygons on one side of all planes are told from those that are cut")
     // What lies on the plane is in front of it, and so not behind it.
     const ClipList behind = clips.with({}, plane({1, 0, 0}, 0), Side::behind);
     CHECK(clipper.clip(triangle(on, red), clips[behind]) == PolygonClipper::Left::nothing);
+    CHECK(clipper.clip(triangle(left, red), clips[behind]) == PolygonClipper::Left::all);
+    CHECK(clipper.clip(triangle(right, red), clips[behind]) == PolygonClipper::Left::nothing);
     CHECK(clipper.clip(triangle(right, red), {}) == PolygonClipper::Left::all);
 }
 

@@ -60,7 +60,7 @@ tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarc
 tested_by(renderer/z_buffer_renderer raster/render_options)
 # Parts that mean little by themselves are tested by what they are parts of, mostly against brute force.
 tested_by(build/polygon_splitter build/polygon_subtree geometry/fragments)
-tested_by(partition/polygon_bsp partition/plane_choice)
+
 tested_by(coverage/pixels/box_filter coverage/pixels/pixel_blocks)
 tested_by(coverage/pixels/cosine_hump_filter coverage/pixels/cosine_hump)
 tested_by(coverage/polygons/surface coverage/polygons/color_gradient coverage/polygons/scattered_samples)
@@ -68,7 +68,7 @@ tested_by(renderer/coverage_renderer coverage/polygons/far_polygons coverage/pol
 tested_by(coverage/tiler/mask_kernel raster/simd)
 tested_by(frame/selection frame/draw_now)
 tested_by(measure/flip measure/flip_colors measure/flip_filters)
-tested_by(merged_viewer merged_viewer/body_walker merged_viewer/polygon_batch)
+tested_by(merged_viewer merged_viewer/body_walker)
 tested_by(raster/box_footprint raster/box_fronts)
 tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
           raster/far_field/transmittance_lanes_sse2)
