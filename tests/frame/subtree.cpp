@@ -118,24 +118,21 @@ TEST_CASE("planes that a cell does not cross are not asked below it, and the ans
     for (const View& view :
          {looking({2, 1, 1}), looking({0.1, 0.2, 0.3}, {1, 1, 0}), looking_orthographic({3, 1, 2}, {0.5, 0, 0}, 1)}) {
         const LocalView local(view, glm::dvec3(0), 4);
-        const std::function<void(Subtree, bool)> visit = [&](Subtree s, bool is_above_outside) {
-            const PlaneMask before = s.crossed_planes;
+        const std::function<void(Subtree)> visit = [&](Subtree s) {
             const PlaneMask crossed =
                 crossed_planes(local.planes, s.cell.bounds_center, s.cell.bounds_half, all_planes);
             const bool is_out = is_outside(local.planes, s);
-            if (!is_above_outside) {
-                different += is_out != (crossed == outside_a_plane);
-                if (!is_out) {
-                    different += s.crossed_planes != crossed;
-                    widened += (s.crossed_planes & ~before) != 0;
-                }
-                outside += is_out;
-                inside += s.crossed_planes == 0;
-            }
+            different += is_out != (crossed == outside_a_plane);
+            different += !is_out && s.crossed_planes != crossed;
+            outside += is_out;
+            inside += s.crossed_planes == 0;
             if (is_out) return;
-            for (const Subtree& child : children_of<VisitOrder::any>(h, s)) visit(child, false);
+            for (const Subtree& child : children_of<VisitOrder::any>(h, s)) {
+                widened += child.crossed_planes != s.crossed_planes;
+                visit(child);
+            }
         };
-        visit(whole_of(h), false);
+        visit(whole_of(h));
     }
     CHECK(different == 0);
     CHECK(widened == 0);
