@@ -1,5 +1,6 @@
 #include "farfield/approximation/color_cube.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -112,6 +113,44 @@ TEST_CASE("sampled and analytic cubes agree where little overlaps", "[approximat
         INFO("side " << side << ": analytic " << sum[0][side].a << ", sampled " << sum[1][side].a);
         CHECK(std::abs(sum[1][side].a / sum[0][side].a - 1) < 0.06f);
         CHECK(std::abs(sum[1][side].r / sum[0][side].r - 1) < 0.06f);
+    }
+}
+
+TEST_CASE("what covers more than a face lets nothing through, and takes nothing away", "[approximation]") {
+    // Loose contents side by side beyond the cell: an opacity above 1.
+    const glm::vec4 front(0.9f, 0.6f, 0.3f, 1.5f), back(0.1f, 0.4f, 0.2f, 0.5f);
+    for (const auto opacity : {ColorCube::Opacity::blended, ColorCube::Opacity::thresholded}) {
+        const ColorCube cube{.opacity = opacity};
+        for (unsigned side = 0; side < 6; ++side) {
+            // Octant 0 or 7, and the one behind it along the side's axis.
+            const unsigned front_octant = side & 1 ? 7 : 0, back_octant = front_octant ^ (1u << side / 2);
+            ColorCube::stand_in_draft in_front{}, behind{}, own{};
+            in_front[side] = front;
+            behind[side] = back;
+            const std::vector<ChildDraft<ColorCube::stand_in_draft>> children{{front_octant, nullptr, &in_front},
+                                                                              {back_octant, nullptr, &behind}};
+            cube.merge({}, own, children);
+            CHECK(close(own[side], front * 0.25f, 1e-6f));
+            // Own contents that cover more than the face hide all of it, and lie behind all of it, half and half.
+            ColorCube::stand_in_draft loose{};
+            loose[side] = front;
+            cube.merge({}, loose, children);
+            const glm::vec4 inside = front * 0.25f;
+            const float seen =
+                opacity == ColorCube::Opacity::blended ? 1 - inside.a : std::min((1 - inside.a) / front.a, 1.0f);
+            CHECK(close(loose[side], 0.5f * (front + (inside + front * seen)), 1e-6f));
+        }
+    }
+    // Coverages add up to 1 at most, and nothing counts more than once.
+    const ColorCube cube{.opacity = ColorCube::Opacity::thresholded};
+    for (const float a : {0.25f, 0.75f, 1.0f}) {
+        ColorCube::stand_in_draft in_front{}, behind{}, own{};
+        in_front[1] = glm::vec4(a);
+        behind[1] = glm::vec4(0.5f);
+        const std::vector<ChildDraft<ColorCube::stand_in_draft>> children{{7, nullptr, &in_front},
+                                                                          {6, nullptr, &behind}};
+        cube.merge({}, own, children);
+        CHECK(own[1].a == Approx(0.25f * std::min(a + 0.5f, 1.0f)));
     }
 }
 

@@ -775,3 +775,96 @@ TEST_CASE(
     CHECK(falling == 0);
     CHECK(without < pairs / 10);
 }
+
+TEST_CASE("a cell made of its children is drawn as one that was made of their contents", "[approximation]") {
+    Random random(150);
+    const Cell cell = unit_cell();
+    const OpacityTensor a;
+    GridSampler sampler;
+    for (int round = 0; round < 20; ++round) {
+        const Triangles triangles = round % 2 == 0 ? leaves(0.5f, 0.1f, 1500 + std::uint64_t(round))
+                                                   : square(random.in_cube(0.3f), random.direction(), 0.8f);
+        const auto contents = [&](auto&& sink) {
+            for (const Triangle& t : triangles) t.polygons(sink);
+        };
+        std::vector<Cell> cells;
+        std::vector<TensorSums> drafts;
+        for (unsigned child = 0; child < 8; ++child) {
+            const glm::vec3 side(child & 1 ? 0.5f : -0.5f, child & 2 ? 0.5f : -0.5f, child & 4 ? 0.5f : -0.5f);
+            cells.push_back(placed(cell, 0.5f, side));
+            drafts.push_back(a.sample(cells.back(), contents, sampler));
+        }
+        std::vector<ChildDraft<TensorSums>> children;
+        for (unsigned child = 0; child < 8; ++child) children.push_back({child, &cells[child], &drafts[child]});
+        TensorSums merged;
+        a.merge(cell, merged, children);
+        const StoredTensor together = a.finish(cell, merged), whole = data_of(cell, triangles, a);
+        CHECK(together.area_law() == whole.area_law());
+        for (int k = 0; k < 10; ++k) {
+            const View view = from(random.direction());
+            const Drawn d = draw(together, cell, view, a), e = draw(whole, cell, view, a);
+            REQUIRE(d.splats.size() == e.splats.size());
+            if (d.splats.empty()) continue;
+            INFO("round " << round << ", view " << k);
+            const Splat &p = d.splats[0], &q = e.splats[0];
+            // Center and box are rounded to 1/32 and 1/16 of the cell, and a sheet's narrow side follows its normal.
+            CHECK(glm::length(p.center - q.center) <= 0.07f);
+            CHECK(glm::length(p.size - q.size) <= 0.2f);
+            CHECK(covered(d) == Approx(covered(e)).epsilon(0.15).margin(0.04));
+        }
+    }
+}
+
+TEST_CASE("the error is the cell's side and what it shows too much or too little", "[approximation]") {
+    const Cell cell = unit_cell();
+    std::size_t wrong = 0;
+    for (std::uint64_t i = 0; i < 30; ++i) {
+        const StoredTensor data = data_of(cell, random_triangles(1 + i * i, 1510 + i, 0.4f));
+        wrong += data.error() > 0.1f;
+        for (const View& view : {looking({3, 2, 7}), looking_orthographic({3, 2, 7})}) {
+            const LocalView local(view, {}, 5);
+            const float side = local.pixels(2, local.distance_to(cell));
+            CHECK(plain.error_px(data, cell, local) == Approx(side * (1 + data.error())).epsilon(1e-6));
+            CHECK(plain.least_error_px(cell, 0, local) <= side);
+        }
+    }
+    CHECK(wrong > 5);
+}
+
+TEST_CASE("leaves are strewn over four tenths of their box", "[approximation]") {
+    const Cell cell = unit_cell();
+    for (const float fill : {0.1f, 0.3f}) {
+        const StoredTensor data = data_of(cell, leaves(fill, 0.1f, 1540));
+        REQUIRE(data.area_law() != AreaLaw::coherent);
+        const glm::vec3 box = data.unpacked().extent * tensor_unit(cell);
+        for (int axis = 0; axis < 3; ++axis) {
+            glm::vec3 w(0);
+            w[axis] = 1;
+            const Drawn d = draw(data, cell, from(w), OpacityTensor{});
+            REQUIRE(d.splats.size() == 1);
+            REQUIRE(d.splats[0].opacity < 1);
+            const float outline = box[(axis + 1) % 3] * box[(axis + 2) % 3];
+            CHECK(d.splats[0].size.x * d.splats[0].size.y == Approx(0.4f * outline).epsilon(1e-4));
+            // It is an option, and what is covered does not depend on it.
+            const OpacityTensor wider{.strewn_over = 0.8f};
+            const Drawn e = draw(data, cell, from(w), wider);
+            CHECK(e.splats[0].size.x * e.splats[0].size.y == Approx(0.8f * outline).epsilon(1e-4));
+            CHECK(covered(e) == Approx(covered(d)).epsilon(1e-4));
+        }
+    }
+}
+
+TEST_CASE("what is covered so often that all laws close it is closed by the one that does so at once",
+          "[approximation]") {
+    // Sixty sheets along each axis, all over the cell: no law leaves anything.
+    Triangles solid;
+    for (int i = 0; i < 60; ++i) {
+        const float at = -1 + 2 * float(i) / 59;
+        append(solid, sheet({-1, -1, at}, {2, 0, 0}, {0, 2, 0}, 1, 1, white));
+        append(solid, sheet({-1, at, -1}, {0, 0, 2}, {2, 0, 0}, 1, 1, white));
+        append(solid, sheet({at, -1, -1}, {0, 2, 0}, {0, 0, 2}, 1, 1, white));
+    }
+    const StoredTensor data = data_of(unit_cell(), solid);
+    CHECK(data.unpacked().sheet_normal() == glm::vec3(0));
+    CHECK(data.area_law() == AreaLaw::coherent);
+}

@@ -342,3 +342,38 @@ TEST_CASE("what a cell remembers: depths, fragments in lists, deep masks where t
         CHECK(lazy.deep_places().size() == masks);
     }
 }
+
+TEST_CASE("what lies behind a z-buffered mask on the picture's border is hidden", "[coverage]") {
+    // Masks that reach beyond the picture, of which only the samples inside are ever drawn.
+    for (const auto& [width, height] : {std::pair{68, 68}, {131, 69}, {65, 200}}) {
+        const SampleFrame frame{width, height, 1};
+        const std::int32_t left = 256 * frame.first_x(), right = left + 256 * width, top = 256 * frame.first_y(),
+                           bottom = top + 256 * height;
+        // Two that pass through each other, and end where the picture does.
+        const std::vector<ScreenPoint> corners{{left, top}, {right, top}, {right, bottom}, {left, bottom}};
+        const TilePolygon one = tile_polygon(corners, {0.4f, 0.6f, 0.6f}, numbered(1));
+        const TilePolygon other = tile_polygon(corners, {0.6f, 0.4f, 0.4f}, numbered(2));
+        for (const Simd simd : all_simd) {
+            TiledFrames<RecordedLazy<1>> frames(simd);
+            for (int round = 0; round < 2; ++round) {
+                frames.begin(frame);
+                CHECK(frames.tile(one));
+                CHECK(frames.tile(other));
+                REQUIRE(frames.target().work.masks_z_buffered > 0);
+                // All of it, and about the middle of the lower border, where they meet.
+                const std::int32_t middle = left + 128 * width;
+                const std::vector<ScreenPoint> border{{middle - 300, bottom - 600},
+                                                      {middle + 300, bottom - 600},
+                                                      {middle + 300, bottom},
+                                                      {middle - 300, bottom}};
+                for (const auto& outline : {corners, border}) {
+                    const TilePolygon behind = tile_polygon(outline, {0.3f, 0.3f, 0.3f}, numbered(3));
+                    CHECK_FALSE(frames.is_seen(behind, 0.3f, 0));
+                    CHECK(frames.is_seen(behind, 0.7f, 0));
+                    CHECK_FALSE(frames.tile(behind));
+                }
+                frames.end();
+            }
+        }
+    }
+}

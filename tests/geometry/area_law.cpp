@@ -118,4 +118,8 @@ TEST_CASE("an opacity leaves one minus that opacity of a fresh sample", "[geomet
     CHECK(law_of_opacity(0) == AreaLaw::independent);
     CHECK(law_of_opacity(0.5f) == AreaLaw::mixed);
     CHECK(law_of_opacity(1) == AreaLaw::coherent);
+    CHECK(law_of_opacity(0.375f) == AreaLaw::mixed);
+    CHECK(law_of_opacity(std::nextafter(0.375f, 0.0f)) == AreaLaw::independent);
+    CHECK(law_of_opacity(0.75f) == AreaLaw::coherent);
+    CHECK(law_of_opacity(std::nextafter(0.75f, 0.0f)) == AreaLaw::mixed);
 }

@@ -127,6 +127,59 @@ TEST_CASE("a loose cell's primitives stick out by half its side at most", "[part
     CHECK(went_down > 5000);
 }
 
+TEST_CASE("an item as large as a child's cell goes down, and a larger one stays", "[partition]") {
+    struct Emit {
+        int& child;
+        void operator()(unsigned c) const { child = int(c); }
+        void keep() const { child = -1; }
+    };
+    const Cell cell = Octree{}.root({{-1, -1, -1}, {1, 1, 1}});
+    REQUIRE(cell.half == glm::vec3(1));
+    for (int axis = 0; axis < 3; ++axis) {
+        Item item;
+        item.bounds = {glm::vec3(0.25f), glm::vec3(0.5f)};
+        item.bounds.lower[axis] = 0;
+        for (const float side : {0.5f, std::nextafter(1.0f, 0.0f), 1.0f, std::nextafter(1.0f, 2.0f), 1.5f}) {
+            item.bounds.upper[axis] = side;
+            REQUIRE(item.bounds.largest_side() == side);
+            int child = 99;
+            Octree{}.place(cell, {}, item, archetype::Touches{}, Emit{child});
+            CHECK(child == (side <= 1 ? 7 : -1));
+        }
+    }
+}
+
+TEST_CASE("a shared item that touches no child, by rounding, is not lost", "[partition]") {
+    struct Emit {
+        std::vector<unsigned>& children;
+        void operator()(unsigned c) const { children.push_back(c); }
+        void keep() const { children.push_back(99); }
+    };
+    struct TouchesNothing {
+        bool operator()(const Box&) const { return false; }
+    };
+    Random random(17);
+    const Cell cell = SharedOctree{}.root({{-1, -1, -1}, {1, 1, 1}});
+    for (int i = 0; i < 1000; ++i) {
+        const glm::vec3 center = random.in_cube(i % 2 ? 1.0f : 3.0f);
+        Item item;
+        item.bounds = {center - 0.01f, center + 0.01f};
+        std::vector<unsigned> children;
+        SharedOctree{}.place(cell, {}, item, TouchesNothing{}, Emit{children});
+        REQUIRE(children.size() == 1);
+        // Of all children the nearest.
+        float least = std::numeric_limits<float>::infinity();
+        unsigned nearest = 0;
+        const glm::vec3 middle = item.bounds.center();
+        for (unsigned c = 0; c < 8; ++c) {
+            const Box box = SharedOctree{}.child(cell, {}, c).box();
+            const float off = glm::length(middle - glm::clamp(middle, box.lower, box.upper));
+            if (off < least) least = off, nearest = c;
+        }
+        CHECK(children[0] == nearest);
+    }
+}
+
 TEST_CASE("a uniform depth is kept to, and an adaptive tree ends at its limit", "[partition]") {
     const Triangles triangles = random_triangles(3000, 16, 0.01f);
     for (const std::uint32_t depth : {1u, 2u, 4u}) {

@@ -281,3 +281,34 @@ TEST_CASE("cells hold what is in them") {
         CHECK(outside == 0);
     }
 }
+
+TEST_CASE("a cell of what lies on a plane is done with, even if rounding took it off that plane") {
+    const PolygonBsp bsp;
+    const Cell root = bsp.root({glm::vec3(-1), glm::vec3(1)});
+    // Two pieces that no plane of either has both on it.
+    const std::vector<Corner> corners{{{-1, -1, 0}, {}}, {{1, -1, 0}, {}}, {{0, 1, 0}, {}},
+                                      {{-1, -1, 1}, {}}, {{1, -1, 1}, {}}, {{0, 1, 0.9f}, {}}};
+    std::vector<SupportingPlane> planes;
+    std::vector<ClippedItem> items;
+    for (std::uint32_t i = 0; i < 2; ++i) {
+        const std::span<const Corner> polygon = std::span(corners).subspan(3 * i, 3);
+        const glm::vec3 normal(glm::normalize(doubled_area(polygon)));
+        planes.push_back({normal, double(glm::dot(normal, polygon[0].position))});
+        Box box = Box::empty();
+        for (const Corner& c : polygon) box.add(c.position);
+        items.push_back({box, i, i, 3 * i, 3, 1});
+    }
+    const ClippedItems both(items, corners, planes);
+    PolygonBsp::node_data data{};
+    REQUIRE(bsp.choose(root, both, data) == Split::always);
+    const std::vector<Box> children(3, Box{glm::vec3(-1), glm::vec3(1)});
+    bsp.fit(root, data, children);
+    PolygonBsp::node_data below{};
+    for (const unsigned side : {PolygonBsp::behind, PolygonBsp::in_front}) {
+        CHECK(bsp.choose(bsp.child(root, data, side), both, below) == Split::always);
+    }
+    const Cell on = bsp.child(root, data, PolygonBsp::on);
+    CHECK(bsp.choose(on, both, below) == Split::no);
+    // So are its own, should it get some.
+    CHECK(bsp.choose(bsp.child(on, data, PolygonBsp::behind), both, below) == Split::no);
+}

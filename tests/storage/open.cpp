@@ -1,10 +1,12 @@
 #include "farfield/storage/open.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "catch.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/measured_time.hpp"
+#include "farfield/storage/mapped_file.hpp"
 #include "farfield/storage/save.hpp"
 #include "files.hpp"
 
@@ -213,6 +215,31 @@ TEST_CASE("a truncated file says how much is left of it") {
           "is damaged: section 'order' reaches beyond the end");
 }
 
+TEST_CASE("a section that begins behind the file's end is not read") {
+    const TemporaryDirectory directory;
+    // Up to 63 bytes are left out before a section: it may begin behind the end where the one before it does not.
+    for (std::size_t count = 40; count < 80; ++count) {
+        save(built<ExactOctree>(scene(count)), directory / "h");
+        const Bytes bytes = read_file(directory / "h");
+        FileHeader header = header_of(bytes);
+        const SectionEntry nodes = header.sections[std::size_t(Section::nodes)];
+        const SectionEntry order = header.sections[std::size_t(Section::order)];
+        const std::uint64_t end = nodes.offset + nodes.bytes();
+        CHECK(order.offset + order.bytes() == bytes.size());
+        header.file_bytes = end;
+        const Bytes cut(bytes.begin(), bytes.begin() + std::ptrdiff_t(end));
+        for (const bool verify : {true, false}) {
+            CHECK(refused<ExactOctree>(directory, sealed(cut, header), {.verify_checksums = verify}) ==
+                  "is damaged: section 'order' reaches beyond the end");
+        }
+        // One record more than there is room for.
+        header = header_of(bytes);
+        header.sections[std::size_t(Section::order)].count += 1;
+        CHECK(refused<ExactOctree>(directory, sealed(bytes, header)) ==
+              "is damaged: section 'order' reaches beyond the end");
+    }
+}
+
 TEMPLATE_TEST_CASE("a changed byte is found, wherever it is", "", OctreeOfCubes, HalvesOfPooledCubes,
                    BspOfPooledCubes) {
     const TemporaryDirectory directory;
@@ -232,4 +259,69 @@ TEMPLATE_TEST_CASE("a changed byte is found, wherever it is", "", OctreeOfCubes,
             }
         }
     }
+}
+
+TEMPLATE_TEST_CASE("what was saved to memory is opened from there", "", OctreeOfCubes, ExactSharedOctree,
+                   HalvesOfPooledCubes, OctreeOfBspsOfCubes) {
+    for (const std::size_t count : {0u, 1u, 30u, 2000u}) {
+        INFO(count << " triangles");
+        const auto triangles = scene(count);
+        const auto h = built<TestType>(triangles);
+        const std::size_t size = saved_size(h);
+        // An aligned place in memory, and one that is not.
+        std::vector<std::byte> memory(size + 128);
+        const auto start = std::size_t(-reinterpret_cast<std::uintptr_t>(memory.data()) % 64);
+        for (const std::size_t off : {0u, 1u, 4u, 32u}) {
+            INFO("off by " << off);
+            const std::span<std::byte> bytes(memory.data() + start + off, size);
+            save(h, bytes);
+            const auto opened = open<TestType>(std::span<const std::byte>(bytes));
+            require_same(h, opened);
+            CHECK(opened.is_from_file());
+            const auto* const nodes = reinterpret_cast<const std::byte*>(opened.nodes().data());
+            CHECK((nodes >= bytes.data() && nodes < bytes.data() + size) == (off == 0));
+            // What was copied does not need the bytes any more.
+            if (off != 0) std::fill(memory.begin(), memory.end(), std::byte(0xff));
+            CHECK(pictures(opened, triangles) == pictures(h, triangles));
+        }
+    }
+}
+
+TEST_CASE("memory that is handed over lives as long as a copy of the hierarchy") {
+    const auto triangles = scene(300);
+    const auto h = built<OctreeOfCubes>(triangles);
+    const std::size_t size = saved_size(h);
+    const auto memory = std::make_shared<std::vector<FileLine>>(size / sizeof(FileLine) + 1);
+    const std::span<std::byte> bytes(memory->front().bytes, size);
+    save(h, bytes);
+    OctreeOfCubes copy;
+    {
+        const auto opened = open<OctreeOfCubes>(bytes, {}, memory);
+        copy = opened;
+    }
+    CHECK(memory.use_count() == 2);
+    require_same(copy, h);
+    copy = {};
+    CHECK(memory.use_count() == 1);
+}
+
+TEST_CASE("bytes in memory that are no hierarchy say why") {
+    const auto h = built<OctreeOfCubes>(scene(100));
+    std::vector<std::byte> bytes(saved_size(h));
+    save(h, std::span(bytes));
+    const auto why = [](std::span<const std::byte> from) -> std::string {
+        try {
+            open<OctreeOfCubes>(from);
+            return {};
+        } catch (const std::runtime_error& e) {
+            return e.what();
+        }
+    };
+    CHECK(why(bytes).empty());
+    CHECK(why({}) == "farfield::open: memory: is empty");
+    for (std::size_t size = 1; size < bytes.size(); size += 13) {
+        CHECK(why(std::span(bytes).first(size)).rfind("farfield::open: memory: is truncated: ", 0) == 0);
+    }
+    bytes[700] ^= std::byte(1);
+    CHECK(why(bytes).rfind("farfield::open: memory: is damaged: ", 0) == 0);
 }

@@ -78,6 +78,23 @@ TEST_CASE("nodes that lead somewhere else are found") {
     CHECK(unsound_nodes(std::vector<Node>(1), 0, 0, true) == std::string("the root's stand-in is missing"));
 }
 
+TEST_CASE("the last item, level and node that may be are sound, and one more is not") {
+    CHECK(changed([](auto& n) { n[5].first_item = good_items; }).empty());
+    CHECK(changed([](auto& n) { n[5].first_item = good_items + 1; }) == "a node's items are out of order");
+    CHECK(changed([](auto& n) { n[0].levels_replaced = 1; }).empty());
+    CHECK(changed([](auto& n) { n[0].levels_replaced = 2; }) == "a stand-in reaches further than any does");
+    CHECK(changed([](auto& n) { n[5].levels_replaced = 255; }) == "a stand-in reaches further than any does");
+
+    std::vector<Node> chain;
+    for (std::uint32_t i = 1; i <= most_levels_in_files; ++i) chain.push_back({.first_child = i, .child_mask = 1});
+    chain.back() = {};
+    CHECK(unsound_nodes(chain, 0, 0, false) == nullptr);
+    chain.back() = {.first_child = std::uint32_t(most_levels_in_files), .child_mask = 1};
+    CHECK(unsound_nodes(chain, 0, 0, false) == std::string("a node's child does not exist"));
+    chain.push_back({});
+    CHECK(unsound_nodes(chain, 0, 0, false) == std::string("it has more than 1024 levels"));
+}
+
 TEST_CASE("what a builder makes is sound") {
     for (const std::size_t count : {0u, 1u, 7u, 5000u}) {
         for (unsigned seed = 1; seed < 4; ++seed) {

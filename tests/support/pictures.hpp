@@ -15,6 +15,7 @@
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/view.hpp"
 #include "farfield/view/local_view.hpp"
+#include "support/views.hpp"
 
 namespace farfield::test {
 
@@ -86,24 +87,6 @@ inline double coverage(const Image& a) {
     double sum = 0;
     for (const Rgba8 p : a.pixels()) sum += p.a;
     return sum / 255;
-}
-
-inline View looking(glm::dvec3 eye, glm::dvec3 target = glm::dvec3(0), int size = 128, float tolerance = 0) {
-    View view;
-    view.camera = Camera::perspective(
-        eye, target, std::abs(glm::normalize(target - eye).y) > 0.99 ? glm::vec3(0, 0, 1) : glm::vec3(0, 1, 0), 0.9f);
-    view.width = view.height = size;
-    view.tolerance_px = tolerance;
-    return view;
-}
-inline View looking_orthographic(glm::dvec3 eye, glm::dvec3 target = glm::dvec3(0), float height = 3, int size = 128,
-                                 float tolerance = 0) {
-    View view;
-    view.camera = Camera::orthographic(
-        eye, target, std::abs(glm::normalize(target - eye).y) > 0.99 ? glm::vec3(0, 0, 1) : glm::vec3(0, 1, 0), height);
-    view.width = view.height = size;
-    view.tolerance_px = tolerance;
-    return view;
 }
 
 }  // namespace farfield::test

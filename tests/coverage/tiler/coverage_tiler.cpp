@@ -236,6 +236,43 @@ TEST_CASE("asking tells exactly whether tiling would draw, and changes nothing",
     for (const auto& count : answers) CHECK(std::min(count[0], count[1]) > 500);
 }
 
+TEST_CASE("an outline is grown by as much as it says, along both axes", "[coverage]") {
+    // All covered but one sample: it is seen behind an outline that reaches into the square about its center.
+    const SampleFrame frame{130, 130, 1};
+    const std::int32_t left = 256 * frame.first_x(), right = -left, top = 256 * frame.first_y(), bottom = -top;
+    Random random(645);
+    std::array<int, 2> answers{};
+    for (const Simd simd : all_simd) {
+        TiledFrames<RecordedStrict<1>> frames(simd);
+        for (int round = 0; round < 120; ++round) {
+            const auto x = std::int32_t(10 + random.below(110)), y = std::int32_t(10 + random.below(110));
+            const std::int32_t x0 = left + 256 * x, x1 = x0 + 256, y0 = top + 256 * y, y1 = y0 + 256;
+            frames.begin(frame);
+            frames.tile(polygon({{left, top}, {x0, top}, {x0, bottom}, {left, bottom}}, 0));
+            frames.tile(polygon({{x1, top}, {right, top}, {right, bottom}, {x1, bottom}}, 1));
+            frames.tile(polygon({{x0, top}, {x1, top}, {x1, y0}, {x0, y0}}, 2));
+            frames.tile(polygon({{x0, y1}, {x1, y1}, {x1, bottom}, {x0, bottom}}, 3));
+            const std::int32_t cx = x0 + 128, cy = y0 + 128;
+            for (const int grown_by : {16, 100, 256, 700}) {
+                // A line past the center, a polygon behind it; `off` is how far, along one axis or the other.
+                const auto across = std::int32_t(1 + random.below(3000)), down = std::int32_t(1 + random.below(3000));
+                const auto off = std::int32_t(random.below(std::uint32_t(3 * grown_by)));
+                const std::int32_t ax = cx - across - off, ay = cy + down - off, bx = cx + across - off,
+                                   by = cy - down - off;
+                const TilePolygon behind = polygon({{ax, ay}, {ax, by}, {bx, by}}, 4);
+                // E of the edge from a to b at the center, and what the square about it adds.
+                const std::int64_t e = std::int64_t(off) * (across + down);
+                const std::int64_t reach = std::int64_t(grown_by) * (across + down);
+                if (e == reach || cx > bx + grown_by || cy > ay + grown_by) continue;
+                const bool answer = frames.is_seen(behind, 1, grown_by);
+                if (answer != (e < reach)) FAIL("grown by " << grown_by << ", " << off << " off");
+                ++answers[answer];
+            }
+        }
+    }
+    CHECK(std::min(answers[0], answers[1]) > 200);
+}
+
 TEST_CASE("jittered samples are where they are, and a mesh covers each of them once", "[coverage]") {
     Random random(650);
     const JitterPatterns patterns(StrictCoverage::jitter_patterns);

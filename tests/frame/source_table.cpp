@@ -1,0 +1,103 @@
+#include "farfield/frame/source_table.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "farfield/approximation/exact.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/primitive/instance.hpp"
+#include "support/recorder.hpp"
+#include "support/scenes.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+using farfield::detail::SourceState;
+using farfield::detail::SourceTable;
+
+namespace {
+
+using Shared = SpatialHierarchy<SharedOctree, Exact, TriangleCount>;
+using Loose = SpatialHierarchy<Octree, Exact, TriangleCount>;
+using Placed = Instance<Shared, Triangle>;
+
+/// Gives out names from 10 on.
+struct Naming : Recorder {
+    std::vector<std::uint32_t> released;
+    template <class P>
+    std::uint32_t upload(const Source<P>&) {
+        return 10 + std::uint32_t(paged_in++);
+    }
+    void release(std::uint32_t id) { released.push_back(id); }
+};
+
+}  // namespace
+
+TEST_CASE("each hierarchy over its primitives is uploaded once, however often it is placed, and released once") {
+    const Triangles triangles = random_triangles(50, 810), copy = triangles;
+    const Shared h = build<Shared>(triangles);
+    std::vector<Placed> instances;
+    for (int i = 0; i < 5; ++i) {
+        instances.push_back({&h, triangles, {}});
+        instances.back().to_world.translation.x = i;
+    }
+    instances.push_back({&h, copy, {}});  // the same hierarchy over other memory
+    const Loose outer = build<Loose>(instances);
+    Naming renderer;
+    {
+        SourceTable<Naming> table(renderer);
+        table.add_all(outer, std::span<const Placed>(instances));
+        CHECK(renderer.paged_in == 3);
+        const SourceState& a = table.find(outer, std::span<const Placed>(instances));
+        const SourceState& b = table.find(h, std::span<const Triangle>(triangles));
+        const SourceState& c = table.find(h, std::span<const Triangle>(copy));
+        CHECK((a.hierarchy == &outer && b.hierarchy == &h && c.hierarchy == &h));
+        CHECK((a.primitives == instances.data() && b.primitives == triangles.data() && c.primitives == copy.data()));
+        CHECK((a.id != b.id && b.id != c.id && a.id != c.id));
+        CHECK(a.stamps.empty());
+        CHECK(b.stamps.size() == 50);
+        CHECK(renderer.released.empty());
+    }
+    std::sort(renderer.released.begin(), renderer.released.end());
+    CHECK(renderer.released == std::vector<std::uint32_t>{10, 11, 12});
+}
+
+TEST_CASE("what was uploaded before something is refused is released") {
+    const Triangles triangles = random_triangles(50, 811);
+    const Shared h = build<Shared>(triangles);
+    std::vector<Placed> instances{{&h, triangles, {}}, {&h, std::span(triangles).first(49), {}}};
+    const Loose outer = build<Loose>(instances);
+    Naming renderer;
+    try {
+        SourceTable<Naming> table(renderer);
+        table.add_all(outer, std::span<const Placed>(instances));
+        FAIL("it was taken");
+    } catch (const std::invalid_argument& e) {
+        CHECK(std::string(e.what()) == "farfield::Viewer: the hierarchy was built from 50 primitives and is given 49");
+    }
+    CHECK(renderer.paged_in == renderer.released.size());
+    CHECK(renderer.paged_in == 2);
+}
+
+TEST_CASE("a shared item is new once an epoch, also when epochs begin anew") {
+    SourceState state;
+    state.stamps.assign(3, 0);
+    for (int round = 0; round < 3; ++round) {
+        state.begin_epoch();
+        CHECK(state.is_new(1));
+        CHECK_FALSE(state.is_new(1));
+        CHECK(state.is_new(0));
+    }
+    state.epoch = 0xffffffffu;
+    state.stamps = {1, 0xffffffffu, 0};
+    state.begin_epoch();
+    CHECK(state.epoch != 0);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        CHECK(state.is_new(i));
+        CHECK_FALSE(state.is_new(i));
+    }
+}

@@ -1,0 +1,202 @@
+# The arrows between the folders of include/farfield, and tests that mirror its headers. Run by ctest:
+#
+#     cmake -DSOURCE_DIRECTORY=... -P house.cmake
+cmake_minimum_required(VERSION 3.20)
+
+# --- what may include what: a folder, with all below it, or a header at the root
+
+# may_include(ROOM ROOM...): what else a room may include than geometry and itself. `everything` means that.
+function(may_include room)
+  set("arrows_of_${room}" ${ARGN} PARENT_SCOPE)
+  set(rooms ${rooms} "${room}" PARENT_SCOPE)
+endfunction()
+
+set(contracts approximation.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp partition.hpp
+              primitive.hpp renderer.hpp sampler.hpp view view.hpp)
+set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
+set(frame frame ${hierarchy})
+
+may_include(geometry)
+foreach(contract IN LISTS contracts) # view/ is the value that most contracts pass, in local coordinates
+  may_include(${contract} ${contracts})
+endforeach()
+foreach(models partition approximation cost_model sampler primitive)
+  may_include(${models} ${contracts})
+endforeach()
+may_include(renderer coverage raster ${contracts})
+may_include(coverage raster ${contracts})
+may_include(raster ${contracts})
+may_include(voxel coverage) # the same masks, one dimension up
+may_include(measure image.hpp view.hpp)
+may_include(hierarchy ${contracts})
+may_include(spatial_hierarchy.hpp ${hierarchy})
+may_include(build ${hierarchy})
+may_include(build.hpp build sampler ${hierarchy}) # the sampler that a build takes where it is given none
+may_include(storage ${hierarchy})
+may_include(frame ${hierarchy})
+may_include(viewer.hpp ${frame})
+may_include(merged_viewer ${frame})
+may_include(merged_viewer.hpp merged_viewer primitive ${frame}) # bodies are instances
+may_include(tuning everything)
+may_include(farfield.hpp everything)
+
+# --- headers without a test of the same name
+
+# tested_by(TEST HEADER...): tests/TEST.cpp is their test, of several or of one that goes by another name.
+function(tested_by test)
+  foreach(header IN LISTS ARGN)
+    set("test_of_${header}" "${test}" PARENT_SCOPE)
+  endforeach()
+  set(tests_of_several ${tests_of_several} "${test}" PARENT_SCOPE)
+endfunction()
+
+# Concepts are tested together: with types that keep every promise and types that miss it by one thing.
+tested_by(composition approximation approximation/exact cost_model partition sampler)
+tested_by(consumer/main farfield)
+# Records without functions are tested by what makes them.
+tested_by(build build/build_progress)
+tested_by(build/cell_splitter build/build_node)
+tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
+tested_by(renderer/z_buffer_renderer raster/render_options)
+# Parts that mean little by themselves are tested by what they are parts of, mostly against brute force.
+tested_by(build/polygon_splitter build/polygon_subtree geometry/fragments)
+
+tested_by(coverage/pixels/box_filter coverage/pixels/pixel_blocks)
+tested_by(coverage/pixels/cosine_hump_filter coverage/pixels/cosine_hump)
+tested_by(coverage/polygons/surface coverage/polygons/color_gradient coverage/polygons/scattered_samples)
+tested_by(renderer/coverage_renderer coverage/polygons/far_polygons coverage/polygons/polygon_setup)
+tested_by(coverage/tiler/mask_kernel raster/simd)
+tested_by(frame/selection frame/draw_now)
+tested_by(measure/flip measure/flip_colors measure/flip_filters)
+tested_by(merged_viewer merged_viewer/body_walker)
+tested_by(raster/box_footprint raster/box_fronts)
+tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
+          raster/far_field/transmittance_lanes_sse2)
+tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/triangles/triangle_painter
+          raster/triangles/triangle_runs raster/triangles/triangle_stream raster/triangles/triangle_streams
+          raster/triangles/triangle_triage)
+tested_by(renderer/z_buffer_renderer raster/samples/depth_tested_fill raster/samples/far_deposits
+          raster/samples/z_buffer_canvas)
+tested_by(tuning/advise tuning/variants)
+tested_by(voxel/voxel_pyramid voxel/voxel_masks)
+
+# --- the check
+
+set(include "${SOURCE_DIRECTORY}/include/farfield")
+set(tests "${SOURCE_DIRECTORY}/tests")
+set(faults)
+
+macro(fault)
+  string(APPEND faults "  " ${ARGN} "\n")
+endmacro()
+
+# The folder at the root, or the header there.
+function(room_of path out)
+  string(REGEX MATCH "^[^/]+" room "${path}")
+  set(${out} "${room}" PARENT_SCOPE)
+endfunction()
+# The innermost folder, or the header at the root.
+function(folder_of path out)
+  string(REGEX REPLACE "/[^/]*$" "" folder "${path}")
+  set(${out} "${folder}" PARENT_SCOPE)
+endfunction()
+
+file(GLOB_RECURSE headers RELATIVE "${include}" "${include}/*.hpp" "${include}/*.inl")
+set(folders)
+foreach(header IN LISTS headers)
+  room_of("${header}" room)
+  folder_of("${header}" folder)
+  list(APPEND folders "${folder}")
+  if(NOT room IN_LIST rooms)
+    fault("${header}: house.cmake does not say what ${room} may include")
+  endif()
+  file(STRINGS "${include}/${header}" lines REGEX "^#include \"")
+  foreach(line IN LISTS lines)
+    if(NOT line MATCHES "^#include \"farfield/([^\"]+)\"")
+      fault("${header}: ${line}: not a path from include/")
+      continue()
+    endif()
+    set(included "${CMAKE_MATCH_1}")
+    room_of("${included}" room_included)
+    folder_of("${included}" folder_included)
+    if(NOT room_included STREQUAL room AND NOT room_included STREQUAL "geometry"
+       AND NOT room_included IN_LIST arrows_of_${room} AND NOT arrows_of_${room} STREQUAL "everything")
+      fault("${header} includes ${included}, but ${room} may not include ${room_included}")
+    endif()
+    if(NOT folder_included STREQUAL folder)
+      list(APPEND "out_of_${folder}" "${folder_included}")
+      set("because_${folder}_${folder_included}" "${header} includes ${included}")
+    endif()
+  endforeach()
+endforeach()
+
+# Folders that include none but such as were taken away already are taken away. From any that stays one comes, over
+# others that stay, to a circle.
+list(REMOVE_DUPLICATES folders)
+set(count 0)
+list(LENGTH folders left)
+while(NOT count EQUAL left)
+  set(count ${left})
+  foreach(folder IN LISTS folders)
+    unset("next_of_${folder}")
+    foreach(other IN LISTS out_of_${folder})
+      if(other IN_LIST folders)
+        set("next_of_${folder}" "${other}")
+      endif()
+    endforeach()
+    if(NOT DEFINED next_of_${folder})
+      list(REMOVE_ITEM folders "${folder}")
+    endif()
+  endforeach()
+  list(LENGTH folders left)
+endwhile()
+if(folders)
+  list(GET folders 0 folder)
+  set(passed)
+  while(NOT folder IN_LIST passed)
+    list(APPEND passed "${folder}")
+    set(folder "${next_of_${folder}}")
+  endwhile()
+  set(start "${folder}")
+  while(TRUE)
+    set(next "${next_of_${folder}}")
+    fault("a circle of folders: ${because_${folder}_${next}}")
+    set(folder "${next}")
+    if(folder STREQUAL start)
+      break()
+    endif()
+  endwhile()
+endif()
+
+# --- tests mirror the headers
+
+foreach(header IN LISTS headers)
+  if(NOT header MATCHES "\\.hpp$")
+    continue()
+  endif()
+  string(REGEX REPLACE "\\.hpp$" "" name "${header}")
+  if(EXISTS "${tests}/${name}.cpp")
+    if(DEFINED test_of_${name})
+      fault("${header} has a test: take it off the list in house.cmake")
+    endif()
+  elseif(NOT DEFINED test_of_${name})
+    fault("${header} has no test: tests/${name}.cpp is missing")
+  elseif(NOT EXISTS "${tests}/${test_of_${name}}.cpp")
+    fault("${header} is said to be tested by tests/${test_of_${name}}.cpp, which is missing")
+  endif()
+endforeach()
+
+file(GLOB_RECURSE sources RELATIVE "${tests}" "${tests}/*.cpp")
+foreach(source IN LISTS sources)
+  room_of("${source}" room)
+  string(REGEX REPLACE "\\.cpp$" "" name "${source}")
+  if(NOT source MATCHES "/" OR IS_DIRECTORY "${include}/${room}")
+    if(NOT EXISTS "${include}/${name}.hpp" AND NOT EXISTS "${include}/${name}.inl" AND NOT name IN_LIST tests_of_several)
+      fault("tests/${source} names no header")
+    endif()
+  endif()
+endforeach()
+
+if(faults)
+  message(FATAL_ERROR "include/farfield and tests/ are not as house.cmake says:\n${faults}")
+endif()
