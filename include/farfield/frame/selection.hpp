@@ -67,8 +67,9 @@ class SelectionSink {
     void leave(const V&) {}
     template <class V>
     void enter_instance(const V&, std::uint32_t position) {
+        const std::uint32_t outer_view = current_view();
         open_.push_back(std::uint32_t(entries_.size()));
-        entries_.push_back({.kind = Selected::Kind::instance, .view = current_view(), .first = position});
+        entries_.push_back({.kind = Selected::Kind::instance, .view = outer_view, .first = position});
     }
     template <class V>
     void leave_instance(const V&) {
