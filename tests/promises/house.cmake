@@ -48,6 +48,7 @@ function(tested_by test)
     set("test_of_${header}" "${test}" PARENT_SCOPE)
   endforeach()
   set(tests_of_several ${tests_of_several} "${test}" PARENT_SCOPE)
+  set(listed ${listed} ${ARGN} PARENT_SCOPE)
 endfunction()
 
 # Concepts are tested together: with types that keep every promise and types that miss it by one thing.
@@ -60,7 +61,6 @@ tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarc
 tested_by(renderer/z_buffer_renderer raster/render_options)
 # Parts that mean little by themselves are tested by what they are parts of, mostly against brute force.
 tested_by(build/polygon_splitter build/polygon_subtree geometry/fragments)
-
 tested_by(coverage/pixels/box_filter coverage/pixels/pixel_blocks)
 tested_by(coverage/pixels/cosine_hump_filter coverage/pixels/cosine_hump)
 tested_by(coverage/polygons/surface coverage/polygons/color_gradient coverage/polygons/scattered_samples)
@@ -183,6 +183,12 @@ foreach(header IN LISTS headers)
     fault("${header} has no test: tests/${name}.cpp is missing")
   elseif(NOT EXISTS "${tests}/${test_of_${name}}.cpp")
     fault("${header} is said to be tested by tests/${test_of_${name}}.cpp, which is missing")
+  endif()
+endforeach()
+
+foreach(name IN LISTS listed)
+  if(NOT EXISTS "${include}/${name}.hpp")
+    fault("house.cmake names a header that is not there: ${name}.hpp")
   endif()
 endforeach()
 
