@@ -36,7 +36,7 @@ struct Scene {
     }
     ClippedItems all() const { return {items, corners, planes}; }
     PlaneRelation relation(std::size_t i, const CuttingPlane& plane) const {
-        return all().relation(i, plane, PlaneInCell(plane, unit_cell()), unit_cell());
+        return all().relation(i, plane, LocalPlane(plane, unit_cell()), unit_cell());
     }
 };
 

@@ -29,8 +29,8 @@ TEST_CASE("a plane of one body is that of another, where that is") {
     Random random(510);
     const Cell cell = unit_cell();
     for (int i = 0; i < 200; ++i) {
-        const PlaneInCell plane(CuttingPlane{random.direction(), random.between(-1, 1)}, cell);
-        const PlaneInCell seen = body.seen(world, plane, cell);
+        const LocalPlane plane(CuttingPlane{random.direction(), random.between(-1, 1)}, cell);
+        const LocalPlane seen = body.seen(world, plane, cell);
         for (int k = 0; k < 10; ++k) {
             const glm::vec3 p = random.in_cube(1);
             CHECK(seen.height(p) * 2 == Approx(plane.height(glm::vec3(placed.apply(glm::dvec3(p))))).margin(2e-5));
@@ -42,7 +42,7 @@ TEST_CASE("a box lies behind a plane or in front of it, where it has a point on 
     Random random(511);
     std::size_t across = 0, wrong = 0;
     for (int i = 0; i < 3000; ++i) {
-        const PlaneInCell plane(CuttingPlane{random.direction(), random.between(-1, 1)}, unit_cell());
+        const LocalPlane plane(CuttingPlane{random.direction(), random.between(-1, 1)}, unit_cell());
         const glm::vec3 center = random.in_cube(1), half = glm::abs(random.in_cube(0.5f));
         const Box box{center - half, center + half};
         double lowest = 1e9, highest = -1e9;
@@ -62,7 +62,7 @@ TEST_CASE("a box lies behind a plane or in front of it, where it has a point on 
     CHECK(wrong == 0);
     CHECK(across > 500);
     // On the plane is in front of it.
-    const PlaneInCell level(CuttingPlane{{0, 0, 1}, 0}, unit_cell());
+    const LocalPlane level(CuttingPlane{{0, 0, 1}, 0}, unit_cell());
     CHECK(side_of_box(level, {{-1, -1, 0}, {1, 1, 0}}) == PlaneRelation::in_front);
     CHECK(side_of_box(level, {{-1, -1, -1}, {1, 1, 0}}) == PlaneRelation::behind);
 }
@@ -70,7 +70,7 @@ TEST_CASE("a box lies behind a plane or in front of it, where it has a point on 
 TEST_CASE("a box lies behind each of its faces") {
     const Box box{{-0.5f, -0.25f, 0.1f}, {0.3f, 0.75f, 0.9f}};
     for (int face = 0; face < 6; ++face) {
-        const PlaneInCell plane = face_of_box(box, face, unit_cell());
+        const LocalPlane plane = face_of_box(box, face, unit_cell());
         CHECK(side_of_box(plane, box) == PlaneRelation::behind);
         glm::vec3 beyond = box.center();
         beyond[face / 2] = face % 2 == 0 ? box.lower[face / 2] - 0.1f : box.upper[face / 2] + 0.1f;

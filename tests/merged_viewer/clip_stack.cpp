@@ -19,8 +19,8 @@ Cell unit_cell() {
     return cell;
 }
 
-PlaneInCell plane(glm::vec3 normal, float offset) {
-    return PlaneInCell(CuttingPlane{glm::normalize(normal), offset}, unit_cell());
+LocalPlane plane(glm::vec3 normal, float offset) {
+    return LocalPlane(CuttingPlane{glm::normalize(normal), offset}, unit_cell());
 }
 
 bool keeps(const Clip& clip, glm::vec3 p) {
@@ -159,7 +159,7 @@ TEST_CASE("of a polygon that is cut, both parts together are the whole") {
         const std::vector<glm::vec3> vertices{random.in_cube(1), random.in_cube(1), random.in_cube(1)};
         const std::vector<Rgba8> colors{random.color(), random.color(), random.color()};
         const Polygon polygon{vertices, colors, false};
-        const PlaneInCell cut = plane(random.direction(), random.between(-0.5f, 0.5f));
+        const LocalPlane cut = plane(random.direction(), random.between(-0.5f, 0.5f));
         double sum = 0;
         for (const Side side : {Side::behind, Side::in_front}) {
             const Clip clip{cut, side};

@@ -39,7 +39,7 @@ TEST_CASE("parts go to the sides of a plane that they lie on, and those across i
     SidesOfPlane sides;
     std::vector<BodyPart> parts{slab(0, -3, -1), slab(1, 1, 2), slab(2, -1, 1), slab(3, 0, 1)};
     for (BodyPart& p : parts) p.visibility_tested = true;
-    const PlaneInCell plane(CuttingPlane{{1, 0, 0}, 0}, part(0, glm::vec3(-1), glm::vec3(1)).cell);
+    const LocalPlane plane(CuttingPlane{{1, 0, 0}, 0}, part(0, glm::vec3(-1), glm::vec3(1)).cell);
     divide(parts, frames, 0, plane, clips, sides);
     REQUIRE(sides.behind.size() == 2);
     REQUIRE(sides.in_front.size() == 3);
@@ -65,10 +65,10 @@ TEST_CASE("the largest of polygons in one plane says which") {
     const std::vector<std::uint32_t> first{0, 3, 6};
     const std::vector<Rgba8> colors(6);
     const Cell cell = part(0, glm::vec3(-1), glm::vec3(1)).cell;
-    const PlaneInCell plane = plane_of_polygons({first, vertices, colors}, 0, 2, cell);
+    const LocalPlane plane = plane_of_polygons({first, vertices, colors}, 0, 2, cell);
     CHECK(plane.normal() == glm::dvec3(0, 0, 1));
     CHECK(plane.height(glm::vec3(0, 0, 0.25f)) == 0);
-    const PlaneInCell small = plane_of_polygons({first, vertices, colors}, 0, 1, cell);
+    const LocalPlane small = plane_of_polygons({first, vertices, colors}, 0, 1, cell);
     CHECK(small.normal() != glm::dvec3(0, 0, 1));
 }
 
@@ -78,7 +78,7 @@ TEST_CASE("a face that separates cuts nothing and has something beyond it") {
     const std::vector<BodyPart> three{slab(0, -3, -2), slab(1, 0, 1), slab(2, 2, 3)};
     const auto face = separating_face(three, frames);
     REQUIRE(face);
-    const PlaneInCell plane = face_of_box(three[face->part].box, face->face, three[face->part].cell);
+    const LocalPlane plane = face_of_box(three[face->part].box, face->face, three[face->part].cell);
     int cut = 0, in_front = 0;
     for (std::size_t i = 0; i < three.size(); ++i) {
         if (i == face->part) continue;
@@ -103,7 +103,7 @@ TEST_CASE("of many parts the face that divides them most evenly is taken, though
     const auto face = separating_face(parts, frames);
     REQUIRE(face);
     int behind = 0;
-    const PlaneInCell plane = face_of_box(parts[face->part].box, face->face, parts[face->part].cell);
+    const LocalPlane plane = face_of_box(parts[face->part].box, face->face, parts[face->part].cell);
     for (const BodyPart& p : parts) behind += side_of_box(plane, p.box) == PlaneRelation::behind;
     CHECK((behind == 4 || behind == 3));
     // One long one across all the faces, which few others cross: one cut costs four, and there are four on each side.

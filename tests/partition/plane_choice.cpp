@@ -48,7 +48,7 @@ struct Scene {
         CuttingPlane plane;
         if (!detail::choose_plane(cell, all, price_of_cut, plane)) return false;
         CHECK(std::abs(glm::length(plane.normal) - 1) < 1e-5f);
-        const PlaneInCell in_cell(plane, cell);
+        const LocalPlane in_cell(plane, cell);
         sides = {};
         for (std::size_t i = 0; i < items.size(); ++i) {
             const PlaneRelation relation = all.relation(i, plane, in_cell, cell);

@@ -5,6 +5,7 @@
 #include "support/views.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 TEST_CASE("where there is no light there is none in any view", "[raster]") {

@@ -7,6 +7,7 @@
 #include "support/views.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 namespace {

@@ -3,6 +3,7 @@
 #include "catch.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 
 TEST_CASE("a rectangle of nothing is empty, and adds nothing", "[raster]") {
     SampleRect r;

@@ -8,6 +8,7 @@
 #include "support/random.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 TEST_CASE("a triangle's hash is its own, whichever corner comes first", "[raster]") {

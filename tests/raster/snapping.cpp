@@ -6,6 +6,7 @@
 #include "support/random.hpp"
 
 using namespace farfield;
+using namespace farfield::detail;
 using namespace farfield::test;
 
 TEST_CASE("any number below 2^22 is snapped to the nearest, halves to the even one", "[raster]") {
