@@ -26,7 +26,7 @@ struct RendererFacts {
     bool draws_splats = false;      ///< draw(std::span<const Splat>), float largest_splat_px()
     bool draws_polygons = false;    ///< draw(std::span<const Polygon>): pieces made for this frame, local coordinates
     bool answers_hidden = false;    ///< bool hidden(const Cell&, CellId): may err only towards false
-    /// bool deposits_primitives() const, asked after begin_frame: whether in this frame ranges carry their cell's law
+    /// bool deposits_primitives() const, asked once a frame or selection: whether its ranges carry their cell's law
     /// where it is known. Cells with a law come front to back, in order with the stand-ins among them.
     bool deposits_primitives = false;
 };

@@ -66,9 +66,8 @@ class Viewer {
         const LocalView local = outermost(view);
         selection.select(hierarchy_, primitives_, view, local, traversal_order<H, R>,
                          [&](detail::SelectionSink& sink, FrameStats& stats) {
-                             detail::Descent<R, detail::SelectionSink> descent(
-                                 sources_, instances_, stats, sink,
-                                 R::facts.deposits_primitives && view.tolerance_px > 0);
+                             detail::Descent<R, detail::SelectionSink> descent(sources_, instances_, stats, sink,
+                                                                               deposits(view));
                              descent.enter(hierarchy_, primitives_, local, 0);
                          });
     }
@@ -109,9 +108,15 @@ class Viewer {
         stats_ = {};
         queue_.begin_frame();
         renderer_.begin_frame(local);
-        // A tolerance of 0 means every primitive as it is.
+        deposits_ = deposits(view);
+    }
+
+    /// A tolerance of 0 means every primitive as it is.
+    bool deposits(const View& view) const {
         if constexpr (R::facts.deposits_primitives) {
-            deposits_ = view.tolerance_px > 0 && renderer_.deposits_primitives();
+            return view.tolerance_px > 0 && renderer_.deposits_primitives();
+        } else {
+            return false;
         }
     }
 

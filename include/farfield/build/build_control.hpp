@@ -23,7 +23,7 @@ class BuildControl {
     /// Runs f(0) ... f(count - 1), in any order and at once as far as the executor does; reports some hundred times.
     template <class F>
     void run(BuildPhase phase, std::size_t count, F&& f) const {
-        const std::size_t slice = progress_ ? std::max<std::size_t>(count / 100, 16) : std::max<std::size_t>(count, 1);
+        const std::size_t slice = progress_ ? std::max<std::size_t>(count / 100, 8) : std::max<std::size_t>(count, 1);
         for (std::size_t begin = 0; begin < count; begin += slice) {
             run_quietly(std::min(slice, count - begin), [&](std::size_t i) { f(begin + i); });
             report(phase, std::min(begin + slice, count), count);

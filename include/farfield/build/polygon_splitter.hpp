@@ -48,11 +48,13 @@ class PolygonSplitter {
             sizeof(Node) + stored_size<typename Partition_::node_data> + stored_size<typename A::stand_in_data>,
             sizeof(std::uint32_t)};
         // With a budget all levels are compared with it, one by one.
-        top.grow(budget.limit != 0 ? 0 : small_branch, budget);
+        top.grow(budget.limit != 0 ? 0 : small_branch, budget, [&](std::size_t kept, std::size_t on_their_way) {
+            control_.report(BuildPhase::splitting, kept, kept + on_their_way);
+        });
         std::vector<Branch> below(top.deferred_leaves.size(), Branch(partition_, planes));
         control_.run(BuildPhase::splitting, below.size(), [&](std::size_t i) {
             below[i].start(top.drafts[top.deferred_leaves[i]], top);
-            below[i].grow(0, {});
+            below[i].grow(0, {}, [](std::size_t, std::size_t) {});
         });
         put_together(std::move(top), below);
     }

@@ -54,7 +54,9 @@ class PolygonSubtree {
     }
 
     /// Cells of at most `small` items are put off.
-    void grow(std::size_t small, const Budget& budget) {
+    /// after_level(kept items, items still on their way down) is called after each level.
+    template <class AfterLevel>
+    void grow(std::size_t small, const Budget& budget, AfterLevel&& after_level) {
         for (std::size_t begin = 0; begin < drafts.size();) {
             const std::size_t end = drafts.size();
             const bool is_spent =
@@ -73,6 +75,7 @@ class PolygonSubtree {
             }
             items_.swap(next_);
             begin = end;
+            after_level(kept.size(), items_.size());
         }
         items_ = {};
         next_ = {};
