@@ -50,15 +50,18 @@ Subtree child_of(const H& hierarchy, const Subtree& parent, const Node& node, co
                  unsigned child) {
     const unsigned below = (1u << child) - 1;
     const unsigned rank = bits_set[node.child_mask & below];
-    Subtree s;
-    s.cell = hierarchy.partition_policy().child(parent.cell, node_data, child);
-    s.node = node.first_child + rank;
-    s.end_item = rank + 1u < bits_set[node.child_mask] ? hierarchy.nodes()[s.node + 1].first_item : parent.end_item;
+    const std::uint32_t at = node.first_child + rank;
+    std::uint32_t stand_in = Subtree::no_stand_in;
     if constexpr (H::approximation_type::facts.stands_in) {
-        if (node.stand_in_mask >> child & 1) s.stand_in = node.first_child_data + bits_set[node.stand_in_mask & below];
+        if (node.stand_in_mask >> child & 1) stand_in = node.first_child_data + bits_set[node.stand_in_mask & below];
     }
-    s.crossed_planes = parent.crossed_planes;
-    return s;
+    // The cell is computed where it will stay: a copy would read by vectors what has just been written by numbers, and
+    // wait for it.
+    return {.cell = hierarchy.partition_policy().child(parent.cell, node_data, child),
+            .node = at,
+            .end_item = rank + 1u < bits_set[node.child_mask] ? hierarchy.nodes()[at + 1].first_item : parent.end_item,
+            .stand_in = stand_in,
+            .crossed_planes = parent.crossed_planes};
 }
 
 }  // namespace detail
