@@ -39,7 +39,7 @@ bool same(const H& a, const H& b) {
            std::memcmp(&a.report(), &b.report(), sizeof(BuildReport)) == 0;
 }
 bool same_primitives(const Triangles& a, const Triangles& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Triangle)) == 0;
+    return same_bytes(std::span(a), std::span(b));
 }
 
 template <class H, class Range>

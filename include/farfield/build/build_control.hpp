@@ -23,10 +23,16 @@ class BuildControl {
     /// Runs f(0) ... f(count - 1), in any order and at once as far as the executor does; reports some hundred times.
     template <class F>
     void run(BuildPhase phase, std::size_t count, F&& f) const {
+        run_in_slices(count, f, [&](std::size_t, std::size_t end) { report(phase, end, count); });
+    }
+
+    /// Runs f as run() does and calls after_slice(begin, end) instead of reporting.
+    template <class F, class AfterSlice>
+    void run_in_slices(std::size_t count, F&& f, AfterSlice&& after_slice) const {
         const std::size_t slice = progress_ ? std::max<std::size_t>(count / 100, 8) : std::max<std::size_t>(count, 1);
         for (std::size_t begin = 0; begin < count; begin += slice) {
             run_quietly(std::min(slice, count - begin), [&](std::size_t i) { f(begin + i); });
-            report(phase, std::min(begin + slice, count), count);
+            after_slice(begin, std::min(begin + slice, count));
         }
     }
 

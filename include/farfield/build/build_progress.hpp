@@ -9,7 +9,7 @@
 namespace farfield {
 
 enum class BuildPhase : std::uint8_t {
-    splitting,  ///< `done` of `total` primitives, pieces of them, or groups of cells are in place
+    splitting,  ///< `done` of `total` primitives, or pieces of them, lie in their last cell; there may come more
     sampling    ///< `done` of `total` groups of cells have been looked at for their stand-ins
 };
 

@@ -48,14 +48,20 @@ class PolygonSplitter {
             sizeof(Node) + stored_size<typename Partition_::node_data> + stored_size<typename A::stand_in_data>,
             sizeof(std::uint32_t)};
         // With a budget all levels are compared with it, one by one.
-        top.grow(budget.limit != 0 ? 0 : small_branch, budget, [&](std::size_t kept, std::size_t on_their_way) {
-            control_.report(BuildPhase::splitting, kept, kept + on_their_way);
-        });
+        top.grow(budget.limit != 0 ? 0 : small_branch, budget,
+                 [&](std::size_t done, std::size_t total) { control_.report(BuildPhase::splitting, done, total); });
         std::vector<Branch> below(top.deferred_leaves.size(), Branch(partition_, planes));
-        control_.run(BuildPhase::splitting, below.size(), [&](std::size_t i) {
-            below[i].start(top.drafts[top.deferred_leaves[i]], top);
-            below[i].grow(0, {}, [](std::size_t, std::size_t) {});
-        });
+        std::size_t done = top.kept.size() - top.deferred_items;
+        control_.run_in_slices(
+            below.size(),
+            [&](std::size_t i) {
+                below[i].start(top.drafts[top.deferred_leaves[i]], top);
+                below[i].grow(0, {}, [](std::size_t, std::size_t) {});
+            },
+            [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) done += top.drafts[top.deferred_leaves[i]].count;
+                control_.report(BuildPhase::splitting, done, top.kept.size());
+            });
         put_together(std::move(top), below);
     }
 

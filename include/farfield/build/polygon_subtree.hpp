@@ -30,6 +30,7 @@ class PolygonSubtree {
     std::vector<ClippedItem> kept;               ///< a draft's items lie at [first, first + count)
     std::vector<Corner> corners;                 ///< some of which nobody needs any more
     std::vector<std::uint32_t> deferred_leaves;  ///< leaves so far, small enough to be split elsewhere
+    std::size_t deferred_items = 0;              ///< in those leaves
     BuildReport report{};
 
     PolygonSubtree(const Partition_& partition, std::span<const SupportingPlane> planes)
@@ -54,7 +55,7 @@ class PolygonSubtree {
     }
 
     /// Cells of at most `small` items are put off.
-    /// after_level(kept items, items still on their way down) is called after each level.
+    /// after_level(items in their last cell, all items) is called after each level.
     template <class AfterLevel>
     void grow(std::size_t small, const Budget& budget, AfterLevel&& after_level) {
         for (std::size_t begin = 0; begin < drafts.size();) {
@@ -70,12 +71,13 @@ class PolygonSubtree {
                     divide(n, is_spent);
                 } else {
                     deferred_leaves.push_back(std::uint32_t(n));
+                    deferred_items += drafts[n].count;
                     keep(n);
                 }
             }
             items_.swap(next_);
             begin = end;
-            after_level(kept.size(), items_.size());
+            after_level(kept.size() - deferred_items, kept.size() + items_.size());
         }
         items_ = {};
         next_ = {};
