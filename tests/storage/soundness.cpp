@@ -82,8 +82,8 @@ TEST_CASE("the last item, level and node that may be are sound, and one more is 
     CHECK(changed([](auto& n) { n[5].first_item = good_items; }).empty());
     CHECK(changed([](auto& n) { n[5].first_item = good_items + 1; }) == "a node's items are out of order");
     CHECK(changed([](auto& n) { n[0].levels_replaced = 1; }).empty());
-    CHECK(changed([](auto& n) { n[0].levels_replaced = 2; }) == "a stand-in reaches further than any does");
-    CHECK(changed([](auto& n) { n[5].levels_replaced = 255; }) == "a stand-in reaches further than any does");
+    CHECK(changed([](auto& n) { n[0].levels_replaced = 2; }) == "a stand-in replaces more than one level");
+    CHECK(changed([](auto& n) { n[5].levels_replaced = 255; }) == "a stand-in replaces more than one level");
 
     std::vector<Node> chain;
     for (std::uint32_t i = 1; i <= most_levels_in_files; ++i) chain.push_back({.first_child = i, .child_mask = 1});
