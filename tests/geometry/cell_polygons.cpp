@@ -3,38 +3,14 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "support/clipped_scene.hpp"
 
 using namespace farfield;
+using namespace farfield::test;
 
 namespace {
 
-Cell unit_cell() {
-    Cell cell;
-    cell.half = cell.bounds_half = glm::vec3(1);
-    return cell;
-}
-
-/// Polygons and, first, instances.
-struct Scene {
-    std::vector<ClippedItem> items;
-    std::vector<Corner> corners;
-    std::vector<SupportingPlane> planes;
-
-    void add_instance(const Box& bounds) { items.push_back({bounds, std::uint32_t(items.size()), 0, 0, 0, 1}); }
-    void add(const std::vector<glm::vec3>& vertices) {
-        ClippedItem item{Box::empty(),
-                         std::uint32_t(items.size()),
-                         std::uint32_t(planes.size()),
-                         std::uint32_t(corners.size()),
-                         std::uint32_t(vertices.size()),
-                         1};
-        for (const glm::vec3& v : vertices) corners.push_back({v, {}}), item.bounds.add(v);
-        const std::span<const Corner> own = std::span<const Corner>(corners).subspan(item.first_corner);
-        const glm::vec3 normal(glm::normalize(doubled_area(own)));
-        planes.push_back({normal, double(glm::dot(normal, vertices[0]))});
-        items.push_back(item);
-    }
-    ClippedItems all() const { return {items, corners, planes}; }
+struct Scene : ClippedScene {
     PlaneRelation relation(std::size_t i, const CuttingPlane& plane) const {
         return all().relation(i, plane, LocalPlane(plane, unit_cell()), unit_cell());
     }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "support/clipped_scene.hpp"
 #include "support/random.hpp"
 
 using namespace farfield;
@@ -11,33 +12,7 @@ using namespace farfield::test;
 
 namespace {
 
-Cell unit_cell() {
-    Cell cell;
-    cell.half = cell.bounds_half = glm::vec3(1);
-    return cell;
-}
-
-struct Scene {
-    std::vector<ClippedItem> items;
-    std::vector<Corner> corners;
-    std::vector<SupportingPlane> planes;
-
-    /// Before polygons.
-    void add_instance(const Box& bounds) { items.push_back({bounds, std::uint32_t(items.size()), 0, 0, 0, 1}); }
-    void add(const std::vector<glm::vec3>& vertices) {
-        ClippedItem item{Box::empty(),
-                         std::uint32_t(items.size()),
-                         std::uint32_t(planes.size()),
-                         std::uint32_t(corners.size()),
-                         std::uint32_t(vertices.size()),
-                         1};
-        for (const glm::vec3& v : vertices) corners.push_back({v, {}}), item.bounds.add(v);
-        const std::span<const Corner> own = std::span<const Corner>(corners).subspan(item.first_corner);
-        const glm::vec3 normal(glm::normalize(doubled_area(own)));
-        planes.push_back({normal, double(glm::dot(normal, vertices[0]))});
-        items.push_back(item);
-    }
-
+struct Scene : ClippedScene {
     struct Sides {
         std::size_t behind = 0, on = 0, in_front = 0, cut = 0;
     };
