@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "farfield/fail.hpp"
+
 namespace farfield {
 
 /// Runs f(0) ... f(count - 1) one after the other.
@@ -54,14 +56,13 @@ class ThreadExecutor {
                 // What lies below `end` is never left out, so the smallest index that throws is always found.
                 for (std::size_t i = first; i < first + chunk; ++i) {
                     if (i >= end.load(std::memory_order_relaxed)) return;
-                    try {
-                        f(i);
-                    } catch (...) {
-                        const std::lock_guard lock(mutex);
-                        if (i >= end.load(std::memory_order_relaxed)) return;
-                        end.store(i, std::memory_order_relaxed);
-                        error = std::current_exception();
-                    }
+                    detail::guarded([&] { f(i); },
+                                    [&] {
+                                        const std::lock_guard lock(mutex);
+                                        if (i >= end.load(std::memory_order_relaxed)) return;
+                                        end.store(i, std::memory_order_relaxed);
+                                        error = std::current_exception();
+                                    });
                 }
             }
         };
@@ -69,10 +70,11 @@ class ThreadExecutor {
             Joined helpers;
             const std::size_t wanted = std::min<std::size_t>(threads_, (count + chunk - 1) / chunk);
             helpers.threads.reserve(wanted);
-            try {
-                while (helpers.threads.size() + 1 < wanted) helpers.threads.emplace_back(work);
-            } catch (const std::system_error&) {
-            }
+            detail::guarded<std::system_error>(
+                [&] {
+                    while (helpers.threads.size() + 1 < wanted) helpers.threads.emplace_back(work);
+                },
+                [] {});
             work();
         }
         if (error) std::rethrow_exception(error);

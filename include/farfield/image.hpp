@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "farfield/fail.hpp"
 #include "farfield/geometry/rgba8.hpp"
 
 namespace farfield {
@@ -17,7 +18,7 @@ class Image {
     Image() = default;
     /// Throws std::invalid_argument for a negative size.
     Image(int width, int height, Rgba8 fill = {0, 0, 0, 0}) : width_(width), height_(height) {
-        if (width < 0 || height < 0) throw std::invalid_argument("farfield::Image: negative size");
+        if (width < 0 || height < 0) detail::fail<std::invalid_argument>("farfield::Image: negative size");
         pixels_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill);
     }
 

@@ -25,6 +25,7 @@
 #include <string>
 #include <vector>
 
+#include "farfield/fail.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/merged_viewer/body_frame.hpp"
@@ -79,8 +80,8 @@ class MergedViewer {
     /// Places a body from the next frame on. Throws std::invalid_argument if there is no such body.
     void place(std::size_t body, const Similarity& to_world) {
         if (body >= bodies_.size()) {
-            throw std::invalid_argument("farfield::MergedViewer: there is no body " + std::to_string(body) + " of " +
-                                        std::to_string(bodies_.size()));
+            detail::fail<std::invalid_argument>("farfield::MergedViewer: there is no body " + std::to_string(body) +
+                                                " of " + std::to_string(bodies_.size()));
         }
         bodies_[body].to_world = to_world;
     }
@@ -111,7 +112,7 @@ class MergedViewer {
     void add(std::size_t b) {
         const std::string name = "farfield::MergedViewer: body " + std::to_string(b);
         const Body& body = bodies_[b];
-        if (body.hierarchy == nullptr) throw std::invalid_argument(name + " has no hierarchy");
+        if (body.hierarchy == nullptr) detail::fail<std::invalid_argument>(name + " has no hierarchy");
         detail::check_source(name.c_str(), *body.hierarchy, body.primitives, /*needs_strict_order=*/true);
         detail::check_fingerprint(name.c_str(), *body.hierarchy, body.primitives);
         sources_.add_all(*body.hierarchy, body.primitives);

@@ -7,6 +7,8 @@
 #include <glm/vec3.hpp>
 #include <stdexcept>
 
+#include "farfield/fail.hpp"
+
 namespace farfield {
 
 enum class Projection : std::uint8_t { perspective, orthographic };
@@ -30,14 +32,15 @@ struct Camera {
     static Camera perspective(glm::dvec3 eye, glm::dvec3 target, glm::vec3 up, float vertical_fov_radians,
                               float near_depth = 0) {
         if (!(vertical_fov_radians > 0 && vertical_fov_radians < 3.14159f)) {
-            throw std::invalid_argument("farfield::Camera: the field of view must lie between 0 and pi radians");
+            detail::fail<std::invalid_argument>(
+                "farfield::Camera: the field of view must lie between 0 and pi radians");
         }
         return looking(eye, target, up, Projection::perspective, std::tan(vertical_fov_radians / 2), near_depth);
     }
     /// The image shows `height` world units from top to bottom.
     static Camera orthographic(glm::dvec3 eye, glm::dvec3 target, glm::vec3 up, float height, float near_depth = 0) {
         if (!(height > 0 && std::isfinite(height)))
-            throw std::invalid_argument("farfield::Camera: the height seen must be above 0");
+            detail::fail<std::invalid_argument>("farfield::Camera: the height seen must be above 0");
         return looking(eye, target, up, Projection::orthographic, height / 2, near_depth);
     }
 
@@ -48,10 +51,10 @@ struct Camera {
         const glm::dvec3 right = glm::cross(forward, glm::dvec3(up));
         const double lengths = glm::length(forward) * glm::length(right);
         if (!(lengths > 0) || !std::isfinite(lengths)) {
-            throw std::invalid_argument("farfield::Camera: eye, target and up must be finite and span a plane");
+            detail::fail<std::invalid_argument>("farfield::Camera: eye, target and up must be finite and span a plane");
         }
         if (!(near_depth >= 0 && std::isfinite(near_depth)))
-            throw std::invalid_argument("farfield::Camera: near_depth must be 0 or more");
+            detail::fail<std::invalid_argument>("farfield::Camera: near_depth must be 0 or more");
         const glm::dvec3 f = glm::normalize(forward);
         const glm::dvec3 r = glm::normalize(right);
         return {eye, glm::vec3(r), glm::vec3(glm::cross(r, f)), glm::vec3(f), projection, half_height, near_depth};

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "farfield/composition.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/frame/descent.hpp"
 #include "farfield/frame/draw_now.hpp"
 #include "farfield/frame/draw_queue.hpp"
@@ -78,11 +79,12 @@ class Viewer {
     template <class Tint = AsTheyAre>
     FrameStats draw(const Selection<H, P>& selection, const Tint& tint = {}) {
         if (selection.hierarchy() != &hierarchy_ || selection.primitives().data() != primitives_.data()) {
-            throw std::invalid_argument(
+            detail::fail<std::invalid_argument>(
                 "farfield::Viewer: the selection is over another hierarchy or other primitives");
         }
         if (traversal_order<H, R> != VisitOrder::any && selection.order() != traversal_order<H, R>) {
-            throw std::invalid_argument("farfield::Viewer: the selection is not in the order that the renderer needs");
+            detail::fail<std::invalid_argument>(
+                "farfield::Viewer: the selection is not in the order that the renderer needs");
         }
         const LocalView& local = selection.views().front();
         begin(local, selection.view());

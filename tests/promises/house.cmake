@@ -5,7 +5,8 @@ cmake_minimum_required(VERSION 3.20)
 
 # --- what may include what: a folder, with all below it, or a header at the root
 
-# may_include(ROOM ROOM...): what else a room may include than geometry and itself. `everything` means that.
+set(for_everyone fail.hpp geometry version.hpp)
+# may_include(ROOM ROOM...): what else a room may include than itself and those. `everything` means that.
 function(may_include room)
   set("arrows_of_${room}" ${ARGN} PARENT_SCOPE)
   set(rooms ${rooms} "${room}" PARENT_SCOPE)
@@ -16,6 +17,8 @@ set(contracts approximation.hpp composition.hpp cost_model.hpp drawables.hpp exe
 set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
 set(frame frame ${hierarchy})
 
+may_include(fail.hpp)
+may_include(version.hpp)
 may_include(geometry)
 foreach(contract IN LISTS contracts) # view/ is the value that most contracts pass, in local coordinates
   may_include(${contract} ${contracts})
@@ -119,7 +122,7 @@ foreach(header IN LISTS headers)
     set(included "${CMAKE_MATCH_1}")
     room_of("${included}" room_included)
     folder_of("${included}" folder_included)
-    if(NOT room_included STREQUAL room AND NOT room_included STREQUAL "geometry"
+    if(NOT room_included STREQUAL room AND NOT room_included IN_LIST for_everyone
        AND NOT room_included IN_LIST arrows_of_${room} AND NOT arrows_of_${room} STREQUAL "everything")
       fault("${header} includes ${included}, but ${room} may not include ${room_included}")
     endif()

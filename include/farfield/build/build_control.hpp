@@ -6,6 +6,7 @@
 
 #include "farfield/build/build_progress.hpp"
 #include "farfield/executor.hpp"
+#include "farfield/fail.hpp"
 
 namespace farfield::detail {
 
@@ -17,7 +18,7 @@ class BuildControl {
 
     /// Throws BuildCanceled if whoever listens wants no more of it.
     void report(BuildPhase phase, std::size_t done, std::size_t total) const {
-        if (progress_ && !progress_({phase, done, total})) throw BuildCanceled();
+        if (progress_ && !progress_({phase, done, total})) detail::fail<BuildCanceled>();
     }
 
     /// Runs f(0) ... f(count - 1), in any order and at once as far as the executor does; reports some hundred times.

@@ -15,6 +15,7 @@
 #include "farfield/build/build_node.hpp"
 #include "farfield/build/read_primitives.hpp"
 #include "farfield/composition.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/geometry/triangle_box.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
 
@@ -96,7 +97,8 @@ class CellSplitter {
             data_.facts.report.empty_cells_pruned += 8 - unsigned(std::popcount(mask));
         }
         if (drafts_.size() > 0xfffffff0u || kept_size > 0xfffffff0u || next_size > 0xfffffff0u) {
-            throw std::length_error("farfield: the hierarchy would exceed 2^32 nodes or items; lower max_depth");
+            detail::fail<std::length_error>(
+                "farfield: the hierarchy would exceed 2^32 nodes or items; lower max_depth");
         }
         if constexpr (items_are_shared) count_cells(begin, end);
         next_items_.resize(next_size);

@@ -16,6 +16,7 @@
 #include "farfield/build/read_polygons.hpp"
 #include "farfield/build/read_primitives.hpp"
 #include "farfield/composition.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/geometry/cell_polygons.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
 
@@ -119,7 +120,7 @@ class PolygonSplitter {
             const std::size_t first_draft = drafts_.size(), first_item = kept_.size(), first_corner = corners_.size();
             if (first_draft + branch.drafts.size() > 0xfffffff0u || first_item + branch.kept.size() > 0xfffffff0u ||
                 first_corner + branch.corners.size() > 0xfffffff0u) {
-                throw std::length_error("farfield: the hierarchy would exceed 2^32 nodes, items or vertices");
+                detail::fail<std::length_error>("farfield: the hierarchy would exceed 2^32 nodes, items or vertices");
             }
             for (std::size_t n = 0; n < branch.drafts.size(); ++n) {
                 Draft draft = branch.drafts[n];

@@ -11,6 +11,7 @@
 
 #include "farfield/build/build_node.hpp"
 #include "farfield/composition.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/geometry/cell_polygons.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
 
@@ -54,20 +55,20 @@ class PolygonSubtree {
         start(draft.cell, std::move(items), std::move(own));
     }
 
-    /// Cells of at most `small` items are put off.
+    /// Cells of at most `small_count` items are put off.
     /// after_level(items in their last cell, all items) is called after each level.
     template <class AfterLevel>
-    void grow(std::size_t small, const Budget& budget, AfterLevel&& after_level) {
+    void grow(std::size_t small_count, const Budget& budget, AfterLevel&& after_level) {
         for (std::size_t begin = 0; begin < drafts.size();) {
             const std::size_t end = drafts.size();
             const bool is_spent =
                 budget.limit != 0 && end * budget.node + (kept.size() + items_.size()) * budget.item > budget.limit;
             if (corners.size() > 0xf0000000u || kept.size() + items_.size() > 0xf0000000u || end > 0xf0000000u) {
-                throw std::length_error("farfield: the hierarchy would exceed 2^32 nodes, items or vertices");
+                detail::fail<std::length_error>("farfield: the hierarchy would exceed 2^32 nodes, items or vertices");
             }
             next_.clear();
             for (std::size_t n = begin; n < end; ++n) {
-                if (drafts[n].count > small) {
+                if (drafts[n].count > small_count) {
                     divide(n, is_spent);
                 } else {
                     deferred_leaves.push_back(std::uint32_t(n));

@@ -9,20 +9,22 @@
 #include <string>
 
 #include "farfield/composition.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
 
 namespace farfield::detail {
 
 [[noreturn]] inline void refuse_primitive(std::size_t index, const char* why) {
-    throw std::invalid_argument("farfield: primitive " + std::to_string(index) + " " + why);
+    detail::fail<std::invalid_argument>("farfield: primitive " + std::to_string(index) + " " + why);
 }
 
 /// Fills in what `facts` say of the whole scene, except for the root, and calls take(Item) for each primitive.
 template <CostModel C, Primitive P, class Take>
 void read_primitives(std::span<const P> primitives, const C& cost, HierarchyFacts& facts, Take&& take) {
     if (primitives.size() > 0xfffffff0u) {
-        throw std::invalid_argument("farfield: more than 2^32 - 16 primitives; use instances or several hierarchies");
+        detail::fail<std::invalid_argument>(
+            "farfield: more than 2^32 - 16 primitives; use instances or several hierarchies");
     }
     facts.fingerprint = mixed(0, primitives.size());
     auto whole = decltype(primitive_traits<P>::bounds(std::declval<const P&>()))::empty();
@@ -45,7 +47,7 @@ void read_primitives(std::span<const P> primitives, const C& cost, HierarchyFact
         take(item);
     }
     if (!facts.bounds.is_empty() && !(facts.bounds.is_finite() && std::isfinite(4 * facts.bounds.largest_side()))) {
-        throw std::invalid_argument("farfield: the scene's extent overflows single precision");
+        detail::fail<std::invalid_argument>("farfield: the scene's extent overflows single precision");
     }
     facts.primitive_count = primitives.size();
     facts.report.primitives = primitives.size();

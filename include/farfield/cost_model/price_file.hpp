@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "farfield/cost_model/measured_time.hpp"
+#include "farfield/fail.hpp"
 
 namespace farfield {
 namespace detail {
@@ -34,7 +35,7 @@ inline constexpr std::array<NamedPrice, 8> named_prices{{{"small_triangle", &Mea
                                                          {"texel", &MeasuredTime::texel}}};
 
 [[noreturn]] inline void refuse_prices(const char* function, const std::string& where, const std::string& why) {
-    throw std::runtime_error(std::string("farfield::") + function + ": " + where + ": " + why);
+    detail::fail<std::runtime_error>(std::string("farfield::") + function + ": " + where + ": " + why);
 }
 
 /// Takes the next word off a line.

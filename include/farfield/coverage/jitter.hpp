@@ -13,6 +13,8 @@
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
+
+#include "farfield/fail.hpp"
 #endif
 
 namespace farfield::detail {
@@ -50,7 +52,7 @@ class JitterPatterns {
     /// The same seed gives the same patterns everywhere. Throws std::invalid_argument for 0 or too many.
     explicit JitterPatterns(std::size_t count, std::uint64_t seed = 0) {
         if (count == 0 || count > 0xffffffffu) {
-            throw std::invalid_argument("farfield::JitterPatterns: the count must be from 1 to 2^32 - 1");
+            detail::fail<std::invalid_argument>("farfield::JitterPatterns: the count must be from 1 to 2^32 - 1");
         }
         patterns_.resize(count);
         for (JitterPattern& pattern : patterns_) {

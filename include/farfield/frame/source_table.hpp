@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "farfield/composition.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/primitive.hpp"
 #include "farfield/renderer.hpp"
@@ -43,11 +44,12 @@ Source<P> source_of(const H& h, std::span<const P> primitives, std::uint32_t id)
 template <class H, class P>
 void check_source(const char* who, const H& h, std::span<const P> primitives, bool needs_strict_order) {
     if (primitives.size() != h.primitive_count()) {
-        throw std::invalid_argument(std::string(who) + " was built from " + std::to_string(h.primitive_count()) +
-                                    " primitives and is given " + std::to_string(primitives.size()));
+        detail::fail<std::invalid_argument>(std::string(who) + " was built from " +
+                                            std::to_string(h.primitive_count()) + " primitives and is given " +
+                                            std::to_string(primitives.size()));
     }
     if (needs_strict_order && !h.keeps_strict_order()) {
-        throw std::invalid_argument(
+        detail::fail<std::invalid_argument>(
             std::string(who) + " does not keep its polygons in strict order, as the renderer needs them, in " +
             std::to_string(h.report().cells_out_of_order) + " cells (BuildReport::cells_out_of_order)");
     }
@@ -56,7 +58,7 @@ void check_source(const char* who, const H& h, std::span<const P> primitives, bo
 template <class H, class P>
 void check_fingerprint(const char* who, const H& h, std::span<const P> primitives) {
     if (h.is_from_file() && fingerprint_of(primitives) != h.fingerprint()) {
-        throw std::invalid_argument(std::string(who) + " was built from other primitives, or in another order");
+        detail::fail<std::invalid_argument>(std::string(who) + " was built from other primitives, or in another order");
     }
 }
 

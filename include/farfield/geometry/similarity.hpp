@@ -9,6 +9,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "farfield/fail.hpp"
 #include "farfield/geometry/box.hpp"
 
 namespace farfield {
@@ -37,7 +38,7 @@ struct Similarity {
             for (int j = 0; j < 3; ++j) similar = similar && std::abs(gram[i][j] - (i == j ? 1.0 : 0.0)) <= rounding;
         }
         if (!similar) {
-            throw std::invalid_argument(
+            detail::fail<std::invalid_argument>(
                 "farfield::Similarity: an instance's transform must be rotation, uniform scale and translation");
         }
         rotation = glm::mat3(unit);

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "farfield/fail.hpp"
 #include "farfield/image.hpp"
 #include "farfield/measure/pixel_rect.hpp"
 
@@ -71,7 +72,7 @@ inline void Flicker::add(const Image& variant, const Image& reference, std::opti
         width_ = reference.width();
         height_ = reference.height();
     } else if (reference.width() != width_ || reference.height() != height_) {
-        throw std::invalid_argument("farfield::Flicker: frames of one sequence must be of one size");
+        detail::fail<std::invalid_argument>("farfield::Flicker: frames of one sequence must be of one size");
     }
     PixelRect r = compared;
     if (follows_)

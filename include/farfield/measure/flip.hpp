@@ -17,6 +17,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "farfield/fail.hpp"
 #include "farfield/image.hpp"
 #include "farfield/measure/flip_colors.hpp"
 #include "farfield/measure/flip_filters.hpp"
@@ -185,7 +186,7 @@ template <class Use>
 void for_each_flip_error(const Image& variant, const Image& reference, PixelRect rect, double pixels_per_degree,
                          const Use& use) {
     if (!(pixels_per_degree > 0 && pixels_per_degree <= 10'000)) {
-        throw std::invalid_argument("farfield::flip: pixels_per_degree must be above 0 and at most 10000");
+        detail::fail<std::invalid_argument>("farfield::flip: pixels_per_degree must be above 0 and at most 10000");
     }
     const FlipColors space;
     const FlipFilters filters(pixels_per_degree);

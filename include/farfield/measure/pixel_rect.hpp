@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "farfield/fail.hpp"
 #include "farfield/image.hpp"
 
 namespace farfield {
@@ -31,12 +32,12 @@ struct PixelRect {
 /// pictures differ in size.
 inline PixelRect compared_rect(const Image& variant, const Image& reference, std::optional<PixelRect> rect) {
     if (variant.width() != reference.width() || variant.height() != reference.height()) {
-        throw std::invalid_argument("farfield: pictures of different sizes cannot be compared");
+        detail::fail<std::invalid_argument>("farfield: pictures of different sizes cannot be compared");
     }
     const PixelRect whole{0, 0, reference.width(), reference.height()};
     const PixelRect compared = rect.value_or(whole).clipped_to(reference);
     if (compared.is_empty()) {
-        throw std::invalid_argument("farfield: the rectangle to compare holds no pixel of the pictures");
+        detail::fail<std::invalid_argument>("farfield: the rectangle to compare holds no pixel of the pictures");
     }
     return compared;
 }

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "farfield/fail.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/view/local_view.hpp"
 
@@ -15,8 +16,9 @@ inline int checked_samples_a_side(int samples, const char* renderer) {
     int side = 1;
     while (side < 8 && side * side < samples) ++side;
     if (side * side != samples) {
-        throw std::invalid_argument("farfield::" + std::string(renderer) +
-                                    ": samples must be 1, 4, 9, 16, 25, 36, 49 or 64, not " + std::to_string(samples));
+        detail::fail<std::invalid_argument>("farfield::" + std::string(renderer) +
+                                            ": samples must be 1, 4, 9, 16, 25, 36, 49 or 64, not " +
+                                            std::to_string(samples));
     }
     return side;
 }
@@ -26,8 +28,8 @@ inline void check_image_size(const LocalView& view, int samples_a_side, const ch
     const double limit = SampleProjection::guard_band;
     if (view.width < 1 || view.height < 1 || double(view.width) * samples_a_side > limit ||
         double(view.height) * samples_a_side > limit) {
-        throw std::invalid_argument("farfield::" + std::string(renderer) +
-                                    ": an image must have 1 to 16000 samples on a side");
+        detail::fail<std::invalid_argument>("farfield::" + std::string(renderer) +
+                                            ": an image must have 1 to 16000 samples on a side");
     }
 }
 

@@ -18,6 +18,7 @@
 #include "farfield/coverage/polygons/silhouette.hpp"
 #include "farfield/coverage/polygons/surface.hpp"
 #include "farfield/coverage/tiler/coverage_tiler.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/geometry/light.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
@@ -77,8 +78,8 @@ class BasicCoverageRenderer {
     void begin_frame(const LocalView& view) {
         constexpr int limit = 31000 / samples_a_side;
         if (view.width < 1 || view.height < 1 || view.width > limit || view.height > limit) {
-            throw std::invalid_argument("farfield::CoverageRenderer: an image must have 1 to " + std::to_string(limit) +
-                                        " pixels on a side");
+            detail::fail<std::invalid_argument>("farfield::CoverageRenderer: an image must have 1 to " +
+                                                std::to_string(limit) + " pixels on a side");
         }
         projection_ = detail::SampleProjection(view, samples_a_side);
         target_.begin(view.width, view.height, projection_.first_x, projection_.first_y);

@@ -73,13 +73,13 @@ class GridSampler {
         // Adding 1.5 * 2^23 rounds, exactly below 2^22; triangles thousands of squares large are clamped there, which
         // bends their edges far outside the box.
         constexpr float rounder = 12582912.0f, reach = 0x1p21f;
-        bool small = true;
+        bool products_fit_32_bits = true;
         for (int axis = 0; axis < 3; ++axis) {
             std::int32_t* at = c.at[axis];
             for (int i = 0; i < 3; ++i) {
                 const float s = (c.position[i][axis] - grid.box.lower[axis]) * steps_per_unit_[axis];
                 at[i] = std::bit_cast<std::int32_t>(glm::clamp(s, -reach, reach) + rounder) - 0x4b400000;
-                small = small && -0x2000 < at[i] && at[i] < 0x2000;
+                products_fit_32_bits = products_fit_32_bits && -0x2000 < at[i] && at[i] < 0x2000;
             }
             c.first[axis] = std::max((std::min(std::min(at[0], at[1]), at[2]) + 127) >> 8, 0);
             c.last[axis] = std::min((std::max(std::max(at[0], at[1]), at[2]) - 128) >> 8, int(grid.n) - 1);
@@ -87,7 +87,7 @@ class GridSampler {
         for (int axis = 0; axis < 3; ++axis) {
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
             if (c.first[u] > c.last[u] || c.first[v] > c.last[v]) continue;  // holds no sample: most do not
-            small ? scan<std::int32_t>(grid, axis, c, out) : scan<std::int64_t>(grid, axis, c, out);
+            products_fit_32_bits ? scan<std::int32_t>(grid, axis, c, out) : scan<std::int64_t>(grid, axis, c, out);
         }
     }
 

@@ -23,12 +23,14 @@
 #else
 #define FARFIELD_MAPS_FILES 0
 #include <fstream>
+
+#include "farfield/fail.hpp"
 #endif
 
 namespace farfield::detail {
 
 [[noreturn]] inline void refuse_file(const char* function, const std::filesystem::path& path, const std::string& why) {
-    throw std::runtime_error(std::string("farfield::") + function + ": " + path.string() + ": " + why);
+    detail::fail<std::runtime_error>(std::string("farfield::") + function + ": " + path.string() + ": " + why);
 }
 
 inline std::string system_message(int error) {

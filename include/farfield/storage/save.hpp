@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "farfield/fail.hpp"
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/file_format.hpp"
 #include "farfield/storage/mapped_file.hpp"
@@ -168,8 +169,8 @@ template <Storable H>
 void save(const H& hierarchy, std::span<std::byte> memory) {
     const detail::FileContents<H> contents(hierarchy, "memory");
     if (memory.size() != contents.size()) {
-        throw std::invalid_argument("farfield::save: the hierarchy takes " + std::to_string(contents.size()) +
-                                    " bytes and is given " + std::to_string(memory.size()));
+        detail::fail<std::invalid_argument>("farfield::save: the hierarchy takes " + std::to_string(contents.size()) +
+                                            " bytes and is given " + std::to_string(memory.size()));
     }
     std::byte* to = memory.data();
     contents.write([&](std::span<const std::byte> bytes) { to = std::copy(bytes.begin(), bytes.end(), to); });

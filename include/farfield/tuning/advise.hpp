@@ -16,6 +16,7 @@
 #include "farfield/approximation/exact.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/measure/image_error.hpp"
 #include "farfield/measure/projected_rect.hpp"
 #include "farfield/partition/octree.hpp"
@@ -183,11 +184,13 @@ template <Primitive P, class... V>
 Advice advise(std::span<const P> primitives, std::span<const View> views, double largest_rmse,
               const std::tuple<V...>& variants, const AdviceOptions& options = {}) {
     if (views.size() < 2) {
-        throw std::invalid_argument("farfield::advise: needs two views at least, one to choose by and one held out");
+        detail::fail<std::invalid_argument>(
+            "farfield::advise: needs two views at least, one to choose by and one held out");
     }
-    if (!(largest_rmse > 0)) throw std::invalid_argument("farfield::advise: the largest error must be above 0");
+    if (!(largest_rmse > 0)) detail::fail<std::invalid_argument>("farfield::advise: the largest error must be above 0");
     if (options.tolerances_px.empty() || options.samples.empty()) {
-        throw std::invalid_argument("farfield::advise: the options hold no tolerance or no number of samples to try");
+        detail::fail<std::invalid_argument>(
+            "farfield::advise: the options hold no tolerance or no number of samples to try");
     }
     detail::Adviser<P> adviser(primitives, views, options);
     Advice advice;

@@ -179,17 +179,17 @@ class Calibration {
     float run_price() {
         constexpr std::uint32_t length = 11, batch = 256;  // not a multiple of what renderers take at a step
         // Hardly any holds a sample, and all are near each other, so that little else takes time.
-        const Paged small(renderer_, triangles(256, 0.25f, 0.05f, 1));
-        const Range whole{0, small.source().item_count};
+        const Paged small_ones(renderer_, triangles(256, 0.25f, 0.05f, 1));
+        const Range whole{0, small_ones.source().item_count};
         std::vector<Range> ranges;
         for (std::uint32_t first = 0; first < whole.count; first += length) {
             ranges.push_back({first, std::min(length, whole.count - first)});
         }
-        const auto draw_one = [&] { renderer_.draw(small.source(), std::span(&whole, 1)); };
+        const auto draw_one = [&] { renderer_.draw(small_ones.source(), std::span(&whole, 1)); };
         const auto draw_many = [&] {
             for (std::size_t i = 0; i < ranges.size(); i += batch) {
                 const std::span<const Range> rest = std::span<const Range>(ranges).subspan(i);
-                renderer_.draw(small.source(), rest.first(std::min<std::size_t>(batch, rest.size())));
+                renderer_.draw(small_ones.source(), rest.first(std::min<std::size_t>(batch, rest.size())));
             }
         };
         return price(extra_nanoseconds(options_, frame(draw_one), frame(draw_many)), ranges.size());

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "farfield/coverage/triage_mask.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/voxel/voxel_masks.hpp"
 #include "farfield/voxel/voxel_plane.hpp"
 
@@ -46,7 +47,7 @@ class VoxelPyramid {
     explicit VoxelPyramid(glm::ivec3 size_in_voxels) : size_(size_in_voxels) {
         const auto [least, most] = std::minmax({size_.x, size_.y, size_.z});
         if (least < 0 || most > most_voxels_a_side) {
-            throw std::invalid_argument("farfield::VoxelPyramid: a side is not from 0 to 16384 voxels");
+            detail::fail<std::invalid_argument>("farfield::VoxelPyramid: a side is not from 0 to 16384 voxels");
         }
         if (least == 0) return;
         for (int side = 4; levels_.empty() || side < 4 * most; side *= 4) {

@@ -93,23 +93,23 @@ class ZBufferCanvas {
         for_triaged_blocks(
             stream, first, end, projection_, triage_small_,
             [&](std::uint32_t block, const TriageMasks& masks, const TriagedBlock& triaged, unsigned in_range) {
-                unsigned small = masks.small & in_range;
-                if (options_.culls_back_faces) small &= masks.front;
-                if (small != 0) buffers_.begin_far();
-                for (unsigned left = small; left != 0; left &= left - 1) {
+                unsigned small_ones = masks.small_ones & in_range;
+                if (options_.culls_back_faces) small_ones &= masks.front;
+                if (small_ones != 0) buffers_.begin_far();
+                for (unsigned left = small_ones; left != 0; left &= left - 1) {
                     const auto lane = unsigned(std::countr_zero(left));
                     const bool front = (masks.front >> lane & 1) != 0;
                     painter.deposit(block * TriangleBlock::lanes + lane, triaged, lane, front, opaque);
                 }
                 // Squares do not tile a surface as its triangles do, and its larger triangles are not deposited at all.
                 // So that nothing shows through, samples that its small ones hold are drawn as well, behind.
-                if (law != AreaLaw::coherent) in_range &= ~masks.small;
+                if (law != AreaLaw::coherent) in_range &= ~masks.small_ones;
                 for (unsigned left = (masks.draw | masks.clip) & in_range; left != 0; left &= left - 1) {
                     const auto lane = unsigned(std::countr_zero(left));
                     const std::uint32_t triangle = block * TriangleBlock::lanes + lane;
                     if (masks.clip >> lane & 1) {
                         painter.draw_clipped(triangle);
-                    } else if (small >> lane & 1) {
+                    } else if (small_ones >> lane & 1) {
                         painter.draw_behind(triangle, triaged, lane);
                     } else {
                         painter.draw(triangle, triaged, lane);

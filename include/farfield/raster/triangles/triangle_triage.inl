@@ -92,7 +92,7 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& pr
             const Ints in_image =
                 (Ints)(high_x > float(projection.first_x) * 256) & (Ints)(low_x < float(projection.end_x) * 256) &
                 (Ints)(high_y > float(projection.first_y) * 256) & (Ints)(low_y < float(projection.end_y) * 256);
-            masks.small |= bits(is_small & in_image & (Ints)(doubled_area != 0.0f) & ~(clip | gone)) << first;
+            masks.small_ones |= bits(is_small & in_image & (Ints)(doubled_area != 0.0f) & ~(clip | gone)) << first;
             masks.front |= bits((Ints)(doubled_area < 0.0f)) << first;
             store(out.center_x + first, (x[0] + x[1] + x[2]) * (1.0f / 768));
             store(out.center_y + first, (y[0] + y[1] + y[2]) * (1.0f / 768));
