@@ -66,11 +66,11 @@ inline bool is_small(glm::vec3 center, float side, const LocalView& view, float 
 /// One deposit for faces seen from far enough: `footprint` is their area seen squarely, `sum` their premultiplied
 /// colors (0 to 255) weighted by it, with an alpha above 0. The covered part of the footprint decides the law.
 inline Splat splat_of(glm::vec3 center, float footprint, glm::vec4 sum, const LocalView& view) {
-    const float alpha = sum.a / (255 * footprint);
+    const float alpha = sum.w / (255 * footprint);
     const AreaLaw law = law_of_opacity(alpha);
-    const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / sum.a) + 0.5f, glm::vec3(255.0f));
+    const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / sum.w) + 0.5f, glm::vec3(255.0f));
     return {center, glm::vec2(std::sqrt(footprint * view.stretch(center))), alpha,
-            Rgba8{std::uint8_t(rgb.r), std::uint8_t(rgb.g), std::uint8_t(rgb.b), std::uint8_t(law)}};
+            Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}};
 }
 
 }  // namespace farfield
