@@ -48,8 +48,14 @@ std::vector<char> certain_pixels(const scenes::Scene& flat, const Scene& scene, 
     const Camera& c = view.camera;
     std::vector<char> certain(std::size_t(view.width) * std::size_t(view.height));
     const glm::dvec3 right(c.right), up(c.up), forward(c.forward);
-    double largest = 0;
-    for (int i = 0; i < 3; ++i) largest = std::max(largest, std::abs(scene.center[i]) + scene.unit);
+    double largest = scene.unit;
+    for (const scenes::Scene* each : {&flat, &scene.scene}) {
+        for (const auto& t : each->groups.front().triangles) {
+            for (const glm::vec3& v : t.vertices) {
+                for (int i = 0; i < 3; ++i) largest = std::max(largest, std::abs(double(v[i])));
+            }
+        }
+    }
     const double pixel = 2 * double(c.half_height) / view.height;
     std::vector<std::array<glm::dvec3, 3>> triangles;
     for (const auto& t : flat.groups.back().triangles) {
