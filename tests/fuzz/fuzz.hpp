@@ -1,4 +1,4 @@
-// What each fuzzer defines, and its drivers call: libFuzzer's (with_libfuzzer.cpp) and one for any compiler
+// What each fuzzer defines and its drivers call: libFuzzer's (with_libfuzzer.cpp), and one for any compiler (replay.cpp).
 // (replay.cpp).
 #pragma once
 
