@@ -24,6 +24,7 @@ TEST_CASE("sources keep their number until they are released, and the first free
     const auto source = [&](std::size_t count) {
         Source<Triangle> s;
         s.primitives = std::span<const Triangle>(triangles).first(count);
+        s.item_count = std::uint32_t(count);
         return s;
     };
     SourceSlots<Count> slots;

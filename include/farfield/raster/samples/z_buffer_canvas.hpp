@@ -42,6 +42,7 @@ class ZBufferCanvas {
     const SampleProjection& projection() const { return projection_; }
     SampleBuffers& buffers() { return buffers_; }
     SourceSlots<TriangleStream>& streams() { return streams_; }
+    const SourceSlots<TriangleStream>& streams() const { return streams_; }
 
     /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
     void begin_frame(const LocalView& view) {

@@ -44,6 +44,10 @@ class TriangleStream {
     }
 
     std::uint32_t size() const { return count_; }
+    std::size_t bytes() const {
+        return blocks_.capacity() * sizeof(TriangleBlock) + colors_.capacity() * sizeof(Rgba8) +
+               first_triangle_.capacity() * sizeof(std::uint32_t);
+    }
     const TriangleBlock* blocks() const { return blocks_.data(); }
     bool several_colors() const { return several_colors_; }
     /// The colors of one triangle: three if several_colors(), else one.
