@@ -96,6 +96,11 @@ class SourceTable {
         constexpr const char* who = "farfield::Viewer: the hierarchy";
         check_source(who, h, primitives, R::facts.needs_ordering == OrderGuarantee::primitives);
         if (has(h, primitives)) return;
+        for_instances(primitives, [](const auto& instance, std::size_t i) {
+            if (instance.hierarchy != nullptr) return;
+            detail::fail<std::invalid_argument>("farfield::Viewer: primitive " + std::to_string(i) +
+                                                " is an instance without a hierarchy");
+        });
         check_fingerprint(who, h, primitives);
         // References into an unordered_map stay valid while more are added.
         SourceState& state = sources_[Key{&h, primitives.data()}];
@@ -104,17 +109,8 @@ class SourceTable {
             state.id = renderer_.upload(source_of(h, primitives, 0));
             state.is_uploaded = true;
         }
-        if constexpr (PrimitiveWithInstance<P>) {
-            for (std::size_t i = 0; i < primitives.size(); ++i) {
-                primitive_traits<P>::visit_instance(primitives[i], [&](const auto& instance) {
-                    if (instance.hierarchy == nullptr) {
-                        detail::fail<std::invalid_argument>("farfield::Viewer: primitive " + std::to_string(i) +
-                                                            " is an instance without a hierarchy");
-                    }
-                    add_all(*instance.hierarchy, instance.primitives);
-                });
-            }
-        }
+        for_instances(primitives,
+                      [&](const auto& instance, std::size_t) { add_all(*instance.hierarchy, instance.primitives); });
     }
 
     template <class H, class P>
@@ -154,6 +150,16 @@ class SourceTable {
                 mixed(std::uint64_t(std::uintptr_t(key.hierarchy)), std::uint64_t(std::uintptr_t(key.primitives))));
         }
     };
+
+    /// Calls f(instance, number of the primitive).
+    template <class P, class F>
+    static void for_instances([[maybe_unused]] std::span<const P> primitives, [[maybe_unused]] F&& f) {
+        if constexpr (PrimitiveWithInstance<P>) {
+            for (std::size_t i = 0; i < primitives.size(); ++i) {
+                primitive_traits<P>::visit_instance(primitives[i], [&](const auto& instance) { f(instance, i); });
+            }
+        }
+    }
 
     bool has_renderer() const {
         if constexpr (R::facts.tells_lifetime) return !renderer_lifetime_.expired();

@@ -80,7 +80,7 @@ class HierarchicalZRenderer {
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {
-        return canvas_.streams().upload(source);
+        return canvas_.upload(source);
     }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
     /// The memory of all that is uploaded: once, however many viewers draw it.
