@@ -128,8 +128,8 @@ class MergedViewer {
     LocalView outermost(const View& view) const {
         BoxD whole = BoxD::empty();
         for (const Body& body : bodies_) whole.add(body.bounds());
-        const glm::vec3 size = whole.is_empty() ? glm::vec3(0) : glm::vec3(whole.size());
-        return LocalView(view, origin(), whole.is_empty() ? 1.0f : std::sqrt(glm::dot(size, size)));
+        if (whole.is_empty()) return LocalView(view, origin(), Box::empty());
+        return LocalView(view, origin(), float(length_of(whole.size())), glm::vec3(whole.center() - origin()));
     }
 
     // --- regions of more than one body

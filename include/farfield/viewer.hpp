@@ -115,9 +115,7 @@ class Viewer {
 
   private:
     LocalView outermost(const View& view) const {
-        const Box& b = hierarchy_.bounds();
-        const float diagonal = b.is_empty() ? 1.0f : std::sqrt(glm::dot(b.size(), b.size()));
-        return LocalView(view, hierarchy_.origin(), diagonal);
+        return LocalView(view, hierarchy_.origin(), hierarchy_.bounds());
     }
 
     void begin(const LocalView& local, const View& view) {

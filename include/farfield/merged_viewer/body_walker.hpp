@@ -49,7 +49,10 @@ class BodyWalker {
         active_body_ = none;
     }
     /// Adds the view of the next body; called for each, in order.
-    void add_view(const LocalView& view) { frames_.emplace_back(view); }
+    void add_view(LocalView view) {
+        view.seed = std::uint32_t(path_of(std::uint32_t(frames_.size())) >> 32);
+        frames_.emplace_back(view);
+    }
     void end_frame() { flush(); }
 
     BodyPart whole(std::uint32_t body) const {
@@ -90,8 +93,7 @@ class BodyWalker {
             if (part.end_item - node.first_item >= min_items_for_occlusion_query) {
                 turn_to(part.body);
                 flush();
-                const std::uint64_t path = part.body == 0 ? 0 : mixed(0, part.body);
-                if (renderer_.hidden(cell, CellId{path, part.node})) {
+                if (renderer_.hidden(cell, CellId{path_of(part.body), part.node})) {
                     ++stats_.cells_hidden;
                     return false;
                 }
@@ -120,6 +122,9 @@ class BodyWalker {
 
   private:
     static constexpr std::uint32_t none = 0xffffffffu;
+
+    /// As CellId's; the first body, which the others are seen from, has that of an outermost hierarchy.
+    static std::uint64_t path_of(std::uint32_t body) { return body == 0 ? 0 : mixed(0, body); }
 
     struct Body {
         const H* hierarchy;
