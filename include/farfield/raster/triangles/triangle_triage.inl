@@ -41,24 +41,30 @@ inline Ints snapped(Floats v) {
     return reinterpret_cast<Ints>(reinterpret_cast<Words>(v + snap_rounder) - snap_rounder_bits);
 }
 
-template <bool perspective, bool deposits>
+template <Depths depths, bool deposits>
 inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& projection, TriagedBlock& out) {
     TriageMasks masks{0, 0, 0, 0};
     for (unsigned first = 0; first < TriangleBlock::lanes; first += FARFIELD_LANES) {
         Floats x[3], y[3], q[3];
         Ints behind[3];
         for (unsigned c = 0; c < 3; ++c) {
-            const Floats dx = load(block.v[3 * c] + first) - projection.eye.x;
-            const Floats dy = load(block.v[3 * c + 1] + first) - projection.eye.y;
-            const Floats dz = load(block.v[3 * c + 2] + first) - projection.eye.z;
+            const Floats dx = load(block.v[3 * c] + first) - projection.anchor.x;
+            const Floats dy = load(block.v[3 * c + 1] + first) - projection.anchor.y;
+            const Floats dz = load(block.v[3 * c + 2] + first) - projection.anchor.z;
             const Floats depth = dx * projection.forward.x + dy * projection.forward.y + dz * projection.forward.z;
             x[c] = dx * projection.right.x + dy * projection.right.y + dz * projection.right.z;
             y[c] = dx * projection.down.x + dy * projection.down.y + dz * projection.down.z;
-            if constexpr (perspective) {
+            // Each is SampleProjection's formula with what is 0 or 1 in it left out.
+            if constexpr (depths == Depths::from_eye) {
                 const Floats inverse = 1.0f / depth;
                 x[c] *= inverse;
                 y[c] *= inverse;
                 q[c] = inverse * projection.q_of_inverse;
+            } else if constexpr (depths == Depths::from_anchor) {
+                const Floats inverse = 1.0f / (depth + projection.depth_bias);
+                x[c] *= inverse;
+                y[c] *= inverse;
+                q[c] = inverse * (depth * projection.q_of_depth);
             } else {
                 q[c] = depth * projection.q_of_depth;
             }
@@ -102,6 +108,7 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& pr
 
 template <bool deposits>
 inline TriageMasks triage_any(const TriangleBlock& block, const SampleProjection& projection, TriagedBlock& out) {
-    return projection.is_perspective ? triage<true, deposits>(block, projection, out)
-                                     : triage<false, deposits>(block, projection, out);
+    if (!projection.is_perspective) return triage<Depths::parallel, deposits>(block, projection, out);
+    return projection.is_at_eye ? triage<Depths::from_eye, deposits>(block, projection, out)
+                                : triage<Depths::from_anchor, deposits>(block, projection, out);
 }
