@@ -16,8 +16,17 @@ using farfield::Camera;
 
 constexpr float field_of_view = std::numbers::pi_v<float> / 3;
 
+/// Looks from the eye at the target, with the scene's up on top or, where that is the way it looks, its front.
 Camera camera(glm::vec3 eye, glm::vec3 target, const FrameOfReference& frame) {
-    return Camera::perspective(glm::dvec3(eye), glm::dvec3(target), frame.up, field_of_view);
+    if (eye == target) target = eye - frame.front;
+    const glm::vec3 side = glm::cross(glm::normalize(target - eye), frame.up);
+    const glm::vec3 up = glm::dot(side, side) > 0x1p-40f ? frame.up : frame.front;
+    return Camera::perspective(frame.in_scene(eye), frame.in_scene(target), up, field_of_view);
+}
+
+/// What stands for the size of a scene without one: a unit of its own, unless its coordinates leave no sense to that.
+float size_of_point(const FrameOfReference& frame) {
+    return std::ldexp(1.0f, std::clamp(-frame.exponent, -10, 10));
 }
 
 /// Of a uniform cubic B-spline through a closed ring of control points; t from 0 to the number of points.
@@ -35,20 +44,23 @@ glm::vec3 on_spline(const std::array<glm::vec3, n>& ring, float t) {
 /// Where things are: the middle of what is placed, or else of the triangles, and its spread.
 struct Whereabouts {
     glm::vec2 middle{0};
-    float spread = 1;  ///< root mean square distance from the middle
+    float spread = 0;  ///< root mean square distance from the middle
 
     Whereabouts(const farfield::scenes::Group& root, const FrameOfReference& frame) {
         const auto each = [&](auto&& f) {
-            for (const auto& p : root.placements) f(frame.plan(glm::vec3(p.to_parent[3])));
+            for (const auto& p : root.placements) f(frame.plan(frame.in_units(glm::vec3(p.to_parent[3]))));
             if (!root.placements.empty()) return;
-            for (const auto& t : root.triangles) f(frame.plan(t.vertices[0]));
+            for (const auto& t : root.triangles) f(frame.plan(frame.in_units(t.vertices[0])));
         };
         glm::dvec2 sum(0);
         double count = 0, squares = 0;
-        each([&](glm::vec2 p) { sum += glm::dvec2(p), ++count; });
+        each([&](glm::vec2 p) {
+            sum += glm::dvec2(p);
+            ++count;
+        });
         middle = glm::vec2(sum / count);
         each([&](glm::vec2 p) { squares += double(glm::dot(p - middle, p - middle)); });
-        if (squares > 0) spread = float(std::sqrt(squares / count));
+        spread = squares > 0 ? float(std::sqrt(squares / count)) : size_of_point(frame);
     }
 };
 
@@ -87,9 +99,10 @@ std::vector<Camera> fly_over(const Setting& setting, const FrameOfReference& fra
 
 /// Around a scene that is about as high as wide, now near, now far.
 std::vector<Camera> fly_around(const Setting& setting, const FrameOfReference& frame, int frames) {
-    const glm::vec3 center = setting.bounds.center();
-    const float half = 0.5f * setting.bounds.largest_side();
-    const float radius = half > 0 ? half : 1.0f;
+    const farfield::Box bounds{frame.in_units(setting.bounds.lower), frame.in_units(setting.bounds.upper)};
+    const glm::vec3 center = bounds.center();
+    const float half = 0.5f * bounds.largest_side();
+    const float radius = half > 0 ? half : size_of_point(frame);
     std::array<glm::vec3, ring_size> ring;
     for (std::size_t i = 0; i < ring_size; ++i) {
         constexpr float radii[] = {1.3f, 3.0f, 9.0f, 3.0f}, heights[] = {0.1f, 0.5f, 1.5f, 0.0f};
@@ -105,16 +118,18 @@ std::vector<Camera> fly_around(const Setting& setting, const FrameOfReference& f
 
 Camera look_at_center(const Setting& setting, const FrameOfReference& frame, double distance, double angle_degrees) {
     const glm::dvec3 center(setting.bounds.center());
-    const double half = 0.5 * double(setting.bounds.largest_side());
+    const glm::dvec3 size = glm::dvec3(setting.bounds.upper) - glm::dvec3(setting.bounds.lower);
+    const double half = 0.5 * double(float(std::max({size.x, size.y, size.z})));
     const double angle = angle_degrees * std::numbers::pi / 180;
     const glm::dvec3 off = glm::dvec3(frame.right) * std::sin(angle) + glm::dvec3(frame.front) * std::cos(angle);
-    return Camera::perspective(center + off * (distance * (half > 0 ? half : 1.0)), center, frame.up, field_of_view);
+    const double radius = half > 0 ? half : double(size_of_point(frame)) * std::ldexp(1.0, frame.exponent);
+    return Camera::perspective(center + off * (distance * radius), center, frame.up, field_of_view);
 }
 
 }  // namespace
 
 Flight plan_flight(const Setting& setting, const Options& options) {
-    const FrameOfReference frame(setting.scene.up);
+    const FrameOfReference frame(setting.scene.up, setting.bounds);
     Flight flight;
     if (options.distance) {
         flight.cameras.assign(std::size_t(options.frames),
@@ -122,7 +137,7 @@ Flight plan_flight(const Setting& setting, const Options& options) {
         flight.quality_frames = {0};
         return flight;
     }
-    const glm::vec3 size = setting.bounds.size();
+    const glm::vec3 size = frame.in_units(setting.bounds.upper) - frame.in_units(setting.bounds.lower);
     const glm::vec3 absolute_up = glm::abs(frame.up);
     const float tall = glm::dot(size, absolute_up), wide = glm::dot(size, (glm::vec3(1) - absolute_up) * 0.5f);
     flight.cameras =

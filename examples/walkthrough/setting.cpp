@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -31,7 +32,9 @@ farfield::scenes::Scene load(const std::string& file, const std::vector<std::str
     }
     try {
         return farfield::scenes::load(file);
-    } catch (const std::runtime_error& e) {
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
         throw UsageError(e.what());
     }
 }
@@ -51,6 +54,8 @@ Setting make_setting(const std::string& asked) {
     }
     setting.bounds = farfield::scenes::bounds(setting.scene);
     if (setting.bounds.is_empty()) throw UsageError("nothing to draw in '" + asked + "'");
+    if (!setting.bounds.is_finite())
+        throw UsageError("'" + asked + "' has coordinates that are not finite or too large");
     const bool outdoors = generated && asked != "molecule" && asked != "tree";
     if (outdoors) setting.background = {{126, 173, 224, 255}, {222, 236, 247, 255}};
     setting.culls_back_faces = generated ? asked == "molecule" : has_atoms(asked);
