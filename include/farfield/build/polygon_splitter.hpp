@@ -135,8 +135,8 @@ class PolygonSplitter {
             pieces -= below[i].kept.size();
             below[i] = Branch(partition_, planes);
             below[i].start(leaf(i), top);
-            below[i].grow(0, {.pieces = left(pieces)}, [&](std::size_t, std::size_t) {
-                control_.report(BuildPhase::splitting, done, top.kept.size());
+            below[i].grow(0, {.pieces = left(pieces)}, [&, level = 0](std::size_t, std::size_t) mutable {
+                if (++level % 16 == 0) control_.report(BuildPhase::splitting, done, top.kept.size());
             });
             pieces += below[i].kept.size();
         }
