@@ -41,12 +41,24 @@ glm::vec3 on_spline(const std::array<glm::vec3, n>& ring, float t) {
            (1.0f / 6);
 }
 
-/// Where things are: the middle of what is placed, or else of the triangles, and its spread.
+farfield::Box in_units(const farfield::Box& bounds, const FrameOfReference& frame) {
+    return {frame.in_units(bounds.lower), frame.in_units(bounds.upper)};
+}
+
+/// Half the largest side of bounds in units.
+float radius_of(const farfield::Box& bounds, const FrameOfReference& frame) {
+    const float half = 0.5f * bounds.largest_side();
+    return half > 0 ? half : size_of_point(frame);
+}
+
+/// Where things are: the middle of what is placed, or else of the triangles, and its spread. Where all are in one
+/// place, as the two triangles of a wall that begin at the same corner, it is the middle of the bounds.
 struct Whereabouts {
     glm::vec2 middle{0};
     float spread = 0;  ///< root mean square distance from the middle
 
-    Whereabouts(const farfield::scenes::Group& root, const FrameOfReference& frame) {
+    Whereabouts(const Setting& setting, const FrameOfReference& frame) {
+        const farfield::scenes::Group& root = setting.scene.groups.back();
         const auto each = [&](auto&& f) {
             for (const auto& p : root.placements) f(frame.plan(frame.in_units(glm::vec3(p.to_parent[3]))));
             if (!root.placements.empty()) return;
@@ -60,7 +72,11 @@ struct Whereabouts {
         });
         middle = glm::vec2(sum / count);
         each([&](glm::vec2 p) { squares += double(glm::dot(p - middle, p - middle)); });
-        spread = squares > 0 ? float(std::sqrt(squares / count)) : size_of_point(frame);
+        spread = float(std::sqrt(squares / count));
+        if (spread > 0) return;
+        const farfield::Box bounds = in_units(setting.bounds, frame);
+        middle = frame.plan(bounds.center());
+        spread = radius_of(bounds, frame);
     }
 };
 
@@ -74,7 +90,7 @@ glm::vec2 direction(float angle) {
 /// Through a wide scene, between its rim and its middle, over its ground.
 std::vector<Camera> fly_over(const Setting& setting, const FrameOfReference& frame, int frames) {
     const Ground ground(setting.scene, frame);
-    const Whereabouts where(setting.scene.groups.back(), frame);
+    const Whereabouts where(setting, frame);
     std::array<glm::vec3, ring_size> ring;
     for (std::size_t i = 0; i < ring_size; ++i) {
         constexpr float radii[] = {4.0f, 1.3f, 0.5f, 1.3f}, heights[] = {0.80f, 0.20f, 0.10f, 0.20f};
@@ -99,10 +115,9 @@ std::vector<Camera> fly_over(const Setting& setting, const FrameOfReference& fra
 
 /// Around a scene that is about as high as wide, now near, now far.
 std::vector<Camera> fly_around(const Setting& setting, const FrameOfReference& frame, int frames) {
-    const farfield::Box bounds{frame.in_units(setting.bounds.lower), frame.in_units(setting.bounds.upper)};
+    const farfield::Box bounds = in_units(setting.bounds, frame);
     const glm::vec3 center = bounds.center();
-    const float half = 0.5f * bounds.largest_side();
-    const float radius = half > 0 ? half : size_of_point(frame);
+    const float radius = radius_of(bounds, frame);
     std::array<glm::vec3, ring_size> ring;
     for (std::size_t i = 0; i < ring_size; ++i) {
         constexpr float radii[] = {1.3f, 3.0f, 9.0f, 3.0f}, heights[] = {0.1f, 0.5f, 1.5f, 0.0f};
@@ -118,11 +133,9 @@ std::vector<Camera> fly_around(const Setting& setting, const FrameOfReference& f
 
 Camera look_at_center(const Setting& setting, const FrameOfReference& frame, double distance, double angle_degrees) {
     const glm::dvec3 center(setting.bounds.center());
-    const glm::dvec3 size = glm::dvec3(setting.bounds.upper) - glm::dvec3(setting.bounds.lower);
-    const double half = 0.5 * double(float(std::max({size.x, size.y, size.z})));
+    const double radius = double(radius_of(in_units(setting.bounds, frame), frame)) * std::ldexp(1.0, frame.exponent);
     const double angle = angle_degrees * std::numbers::pi / 180;
     const glm::dvec3 off = glm::dvec3(frame.right) * std::sin(angle) + glm::dvec3(frame.front) * std::cos(angle);
-    const double radius = half > 0 ? half : double(size_of_point(frame)) * std::ldexp(1.0, frame.exponent);
     return Camera::perspective(center + off * (distance * radius), center, frame.up, field_of_view);
 }
 
@@ -137,7 +150,7 @@ Flight plan_flight(const Setting& setting, const Options& options) {
         flight.quality_frames = {0};
         return flight;
     }
-    const glm::vec3 size = frame.in_units(setting.bounds.upper) - frame.in_units(setting.bounds.lower);
+    const glm::vec3 size = in_units(setting.bounds, frame).size();
     const glm::vec3 absolute_up = glm::abs(frame.up);
     const float tall = glm::dot(size, absolute_up), wide = glm::dot(size, (glm::vec3(1) - absolute_up) * 0.5f);
     flight.cameras =

@@ -25,7 +25,7 @@ struct FrameOfReference {
     FrameOfReference(glm::vec3 scene_up, const farfield::Box& bounds) : up(glm::normalize(scene_up)) {
         const glm::vec3 most = glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper));
         const float largest = glm::max(most.x, glm::max(most.y, most.z));
-        if (largest > 0) exponent = std::ilogb(largest);
+        if (largest > 0) exponent = std::ilogb(largest) + 1;
         const glm::vec3 other = glm::abs(up.x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
         front = glm::normalize(glm::cross(other, up));
         right = glm::cross(up, front);
