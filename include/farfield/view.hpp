@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "farfield/fail.hpp"
+#include "farfield/geometry/length.hpp"
 
 namespace farfield {
 
@@ -23,8 +24,9 @@ struct Camera {
     Projection projection = Projection::perspective;
     /// Perspective: tangent of half the vertical field of view. Orthographic: half the height seen, in world units.
     float half_height = 0.577350269f;
-    /// Nothing nearer than this depth along `forward` is drawn, world units. 0 chooses 2^-16 of the scene's diagonal
-    /// for perspective and nothing is cut for orthographic views. There is no far plane.
+    /// Nothing nearer than this depth along `forward` is drawn, world units. 0 chooses 2^-40 of the scene's diagonal
+    /// for perspective, where depth is kept as its inverse and a plane so near costs nothing, and nothing is cut for
+    /// orthographic views; 2^-64 of the diagonal is the least. There is no far plane.
     float near_depth = 0;
 
     /// Throws std::invalid_argument where the numbers do not make a camera (eye on the target, up along the view,
@@ -47,8 +49,8 @@ struct Camera {
   private:
     static Camera looking(glm::dvec3 eye, glm::dvec3 target, glm::vec3 up, Projection projection, float half_height,
                           float near_depth) {
-        const glm::dvec3 forward = target - eye;
-        const glm::dvec3 right = glm::cross(forward, glm::dvec3(up));
+        const glm::dvec3 forward = scaled_to_one(target - eye);
+        const glm::dvec3 right = glm::cross(forward, scaled_to_one(glm::dvec3(up)));
         const double lengths = glm::length(forward) * glm::length(right);
         if (!(lengths > 0) || !std::isfinite(lengths)) {
             detail::fail<std::invalid_argument>("farfield::Camera: eye, target and up must be finite and span a plane");
@@ -57,7 +59,14 @@ struct Camera {
             detail::fail<std::invalid_argument>("farfield::Camera: near_depth must be 0 or more");
         const glm::dvec3 f = glm::normalize(forward);
         const glm::dvec3 r = glm::normalize(right);
-        return {eye, glm::vec3(r), glm::vec3(glm::cross(r, f)), glm::vec3(f), projection, half_height, near_depth};
+        Camera camera{eye,         glm::vec3(r), glm::vec3(glm::cross(r, f)), glm::vec3(f), projection,
+                      half_height, near_depth};
+        // Axes in single precision point past a target that is far away; the eye then moves by what they miss it by.
+        const double distance = length_of(target - eye), seen = 2 * double(half_height);
+        if (distance > 64 * (projection == Projection::perspective ? seen * distance : seen)) {
+            camera.eye = target - direction_of(glm::cross(glm::dvec3(camera.up), glm::dvec3(camera.right))) * distance;
+        }
+        return camera;
     }
 };
 

@@ -74,16 +74,18 @@ struct OpacityTensor {
 
     void merge(const Cell& cell, stand_in_draft& own, std::span<const ChildDraft<stand_in_draft>> children) const {
         const Box bounds = cell.bounds();
+        const float ordinary = cell.to_ordinary();
         for (const auto& child : children) {
-            AreaSums sums = child.draft->sums;
-            sums.moment += sums.area * (child.cell->center - cell.center);
-            own.sums += sums;
-            own.contents.add(child.draft->contents);
-            own.masks.add_child(bounds, child.draft->masks, child.cell->bounds());
+            TensorSums draft = child.draft->scaled(ordinary / child.cell->to_ordinary());
+            draft.sums.moment += draft.sums.area * ((child.cell->center - cell.center) * ordinary);
+            own.sums += draft.sums;
+            own.contents.add(draft.contents);
+            own.masks.add_child(bounds, draft.masks, child.cell->bounds());
         }
     }
 
-    stand_in_data finish(const Cell& cell, const stand_in_draft& d) const {
+    stand_in_data finish(const Cell& local_cell, const stand_in_draft& d) const {
+        const Cell cell = local_cell.scaled(local_cell.to_ordinary());
         const TensorFit fit(d, cell, closed_surfaces);
         if (fit.is_empty()) return {};
         TensorShape s = fit.shape(counts_overlap);
@@ -124,7 +126,7 @@ struct OpacityTensor {
             }
             return;
         }
-        const float length = std::sqrt(glm::dot(towards, towards));
+        const float length = length_of(towards);
         if (!(length > 0) || (view.is_perspective && !(view.depth(center) > 0))) return;
         const TensorAppearance::Seen seen = appearance.seen_from(towards / length);
         if (!(seen.area > 0)) return;
