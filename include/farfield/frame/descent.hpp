@@ -66,7 +66,9 @@ class Descent {
   public:
     /// `deposits`: in this frame runs carry their cells' laws, where they are known.
     Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits)
-        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits) {}
+        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits) {
+        instances_.resize(0);  // an exception may have ended the last one
+    }
 
     template <class H, class P>
     void enter(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path) {

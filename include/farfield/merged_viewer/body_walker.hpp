@@ -40,8 +40,11 @@ class BodyWalker {
     const BodyFrame& frame(std::uint32_t body) const { return frames_[body]; }
     std::span<const BodyFrame> frames() const { return frames_; }
 
+    /// Forgets what waits: an exception may have ended the last frame.
     void begin_frame() {
         queue_.begin_frame();
+        pieces_.clear();
+        clips.shrink(0);
         frames_.clear();
         active_body_ = none;
     }

@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 
 #include "farfield/geometry/length.hpp"
@@ -30,6 +32,7 @@ namespace farfield {
 class ZBufferRenderer {
   public:
     static constexpr RendererFacts facts{.keeps_sources = true,
+                                         .tells_lifetime = true,
                                          .draws_faces = true,
                                          .draws_splats = true,
                                          .answers_hidden = true,
@@ -42,9 +45,12 @@ class ZBufferRenderer {
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {
-        return canvas_.streams().upload(source);
+        return canvas_.upload(source);
     }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
+    /// The memory of all that is uploaded: once, however many viewers draw it.
+    std::size_t uploaded_bytes() const { return canvas_.streams().bytes(); }
+    std::weak_ptr<const void> lifetime() const { return canvas_.streams().lifetime(); }
 
     /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) { canvas_.begin_frame(view); }
