@@ -59,14 +59,12 @@ struct Camera {
             detail::fail<std::invalid_argument>("farfield::Camera: near_depth must be 0 or more");
         const glm::dvec3 f = glm::normalize(forward);
         const glm::dvec3 r = glm::normalize(right);
-        Camera camera{eye,         glm::vec3(r), glm::vec3(glm::cross(r, f)), glm::vec3(f), projection,
-                      half_height, near_depth};
+        const glm::vec3 x(r), y(glm::cross(r, f));
         // Axes in single precision point past a target that is far away; the eye then moves by what they miss it by.
         const double distance = length_of(target - eye), seen = 2 * double(half_height);
-        if (distance > 64 * (projection == Projection::perspective ? seen * distance : seen)) {
-            camera.eye = target - direction_of(glm::cross(glm::dvec3(camera.up), glm::dvec3(camera.right))) * distance;
-        }
-        return camera;
+        if (distance > 64 * (projection == Projection::perspective ? seen * distance : seen))
+            eye = target - direction_of(glm::cross(glm::dvec3(y), glm::dvec3(x))) * distance;
+        return {eye, x, y, glm::vec3(f), projection, half_height, near_depth};
     }
 };
 
