@@ -36,8 +36,9 @@ struct LocalView {
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
-    /// Coordinates are projected relative to this point of the ray through the middle of the picture, at `anchor_depth`.
-    /// It is the eye with depth 0, unless the eye is so far that subtracting it would leave nothing of the coordinates.
+    /// Coordinates are projected relative to this point of the ray through the middle of the picture, at
+    /// `anchor_depth`. It is the eye with depth 0, unless the eye is so far that subtracting it would leave nothing of
+    /// the coordinates.
     glm::vec3 anchor{0};
     float anchor_depth = 0;
     /// A power of two, in world units: renderers measure depths in it, because their inverses have to be numbers too.
@@ -50,7 +51,8 @@ struct LocalView {
 
     /// The hierarchy's coordinates are the user's minus `origin`; `bounds` are in its coordinates.
     LocalView(const View& view, glm::dvec3 origin, const Box& bounds)
-        : LocalView(view, origin, bounds.is_empty() ? 1.0f : glm::min(length_of(bounds.size()), std::numeric_limits<float>::max()),
+        : LocalView(view, origin,
+                    bounds.is_empty() ? 1.0f : glm::min(length_of(bounds.size()), std::numeric_limits<float>::max()),
                     bounds.is_empty() ? glm::vec3(0) : bounds.center()) {}
     /// The same for a hierarchy whose bounds have this diagonal around this center.
     LocalView(const View& view, glm::dvec3 origin, float diagonal, glm::vec3 center = glm::vec3(0))
@@ -74,7 +76,7 @@ struct LocalView {
         if (is_perspective) {
             near_depth = glm::max(near_depth, glm::max(diagonal * 0x1p-64f, std::numeric_limits<float>::min()));
         }
-        move_anchor(view.camera.eye - origin, diagonal, center);
+        move_anchor(view.camera.eye - origin, diagonal, center, origin);
         set_planes();
     }
 
@@ -142,14 +144,14 @@ struct LocalView {
     /// view stays, but depths are counted from a point of the axis next to the scene.
     ///
     /// Not where it would gain less than four bits: differences of an eye nearby are rounded as they always were.
-    void move_anchor(glm::dvec3 exact_eye, float diagonal, glm::vec3 center) {
+    void move_anchor(glm::dvec3 exact_eye, float diagonal, glm::vec3 center, glm::dvec3 origin) {
         // The axis along which nothing moves sideways on the screen; axes in single precision are not quite square.
         glm::dvec3 axis = glm::cross(glm::dvec3(up), glm::dvec3(right));
         if (glm::dot(axis, glm::dvec3(forward)) < 0) axis = -axis;
         axis = direction_of(axis);
         const double to_center = glm::dot(glm::dvec3(center) - exact_eye, axis), size = double(diagonal);
-        // Things in the view may be much smaller than the scene, and lie where coordinates are finest.
-        const glm::dvec3 next_to = length_of(center) <= diagonal ? glm::dvec3(0) : glm::dvec3(center);
+        // Things in the view may be much smaller than the scene, and lie where the user's coordinates are finest.
+        const glm::dvec3 next_to = length_of(glm::dvec3(center) + origin) <= size ? -origin : glm::dvec3(center);
         const double slid = glm::dot(next_to - exact_eye, axis);
         const float depth = float(slid * glm::dot(axis, glm::dvec3(forward)));
         const auto moved = glm::vec3(exact_eye + axis * slid);
@@ -172,8 +174,8 @@ struct LocalView {
         const auto side = [&](glm::vec3 axis, float half) {
             // Perspective planes pass through the eye and tilt inwards; orthographic ones stand beside it.
             if (!is_perspective) return glm::vec4(-axis, half + glm::dot(axis, eye));
-            const glm::vec3 n = glm::normalize(half * forward - axis);
-            return glm::vec4(n, glm::dot(n, forward) * anchor_depth - glm::dot(n, anchor));
+            const glm::vec3 inwards = half * forward - axis, n = glm::normalize(inwards);
+            return glm::vec4(n, half * anchor_depth / glm::length(inwards) - glm::dot(n, anchor));
         };
         planes = {side(-right, half_width), side(right, half_width), side(-up, half_height), side(up, half_height),
                   glm::vec4(forward, anchor_depth - glm::dot(forward, anchor) - near_depth)};
