@@ -1,6 +1,9 @@
 #include "farfield/frame/source_table.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -93,6 +96,27 @@ TEST_CASE("an instance without a hierarchy is named") {
     SourceTable<Naming> table(renderer);
     CHECK_THROWS_WITH(table.add_all(outer, std::span<const Placed>(instances)),
                       "farfield::Viewer: primitive 1 is an instance without a hierarchy");
+}
+
+TEST_CASE("the time to look a source up does not grow with their number") {
+    // Addresses in even steps, as in arrays of hierarchies and of meshes.
+    const auto seconds = [](std::size_t count) {
+        const Triangles triangles(count);
+        const Loose h = build<Loose>(std::span(triangles).first(1));
+        const std::vector<Loose> copies(count, h);
+        double best = 1e9;
+        for (int round = 0; round < 3; ++round) {
+            const auto start = std::chrono::steady_clock::now();
+            Naming renderer;
+            SourceTable<Naming> table(renderer);
+            for (std::size_t i = 0; i < count; ++i) table.add_all(copies[i], std::span(triangles).subspan(i, 1));
+            for (std::size_t i = 0; i < count; ++i) table.find(copies[i], std::span(triangles).subspan(i, 1));
+            CHECK(renderer.paged_in == count);
+            best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        }
+        return best;
+    };
+    CHECK(seconds(32000) < 40 * seconds(2000));  // 16 times as many; of a square it would be 256
 }
 
 TEST_CASE("instances that were changed since are noticed") {

@@ -146,8 +146,9 @@ class SourceTable {
     };
     struct HashOfKey {
         std::size_t operator()(const Key& key) const {
-            return std::size_t(
-                mixed(std::uint64_t(std::uintptr_t(key.hierarchy)), std::uint64_t(std::uintptr_t(key.primitives))));
+            // One after the other: addresses in even steps, taken together, fall on few values.
+            return std::size_t(mixed(mixed(0, std::uint64_t(std::uintptr_t(key.hierarchy))),
+                                     std::uint64_t(std::uintptr_t(key.primitives))));
         }
     };
 
