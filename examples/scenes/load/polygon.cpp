@@ -172,37 +172,51 @@ void Triangulator::release(std::uint32_t p) {
     waiting_[p] = nothing;
 }
 
+/// There and back, or nowhere: no area, and a wrong idea of what is inside for its neighbors.
+bool Triangulator::is_spike(std::uint32_t b) const {
+    const glm::dvec2 in = flat_[b] - flat_[before_[b]], out = flat_[after_[b]] - flat_[b];
+    return cross(in, out) == 0.0 && glm::dot(in, out) <= 0.0;
+}
+
+/// With the spikes that this leaves.
 void Triangulator::cut(std::uint32_t b) {
     const std::uint32_t a = before_[b], c = after_[b];
     triangles_.push_back({a, b, c});
     after_[a] = c;
     before_[c] = a;
     cut_[b] = convex_[b] = 1;
+    --left_;
     release(b);
     for (const std::uint32_t p : {a, c}) {
         convex_[p] = turn(before_[p], p, after_[p]) > 0.0;
         if (convex_[p]) release(p);
         ask_again(p);
+        if (is_spike(p)) spikes_.push_back(p);
     }
 }
 
-/// True if it was one and has been cut off.
-bool Triangulator::try_ear(std::uint32_t b, double flat, Care care) {
+void Triangulator::cut_spikes() {
+    while (!spikes_.empty()) {
+        const std::uint32_t p = spikes_.back();
+        spikes_.pop_back();
+        if (left_ > 3 && !cut_[p] && is_spike(p)) cut(p);
+    }
+}
+
+void Triangulator::try_ear(std::uint32_t b, double flat, Care care) {
     const glm::dvec2 in = flat_[b] - flat_[before_[b]], out = flat_[after_[b]] - flat_[b];
     const double turned = cross(in, out);
-    // There and back, or nowhere: no area, and in the way of others.
-    const bool spike = turned == 0.0 && (care != Care::strict || glm::dot(in, out) <= 0.0);
-    if (!spike) {
-        if (!(turned > flat * glm::length(in) * glm::length(out))) return false;
+    if (turned != 0.0 || care == Care::strict) {
+        if (!(turned > flat * glm::length(in) * glm::length(out))) return;
         const std::uint32_t blocker = care == Care::none ? nothing : blocker_of(b, care == Care::strict);
         if (blocker != nothing) {
             waits_.push_back({b, asked_[b], waiting_[blocker]});
             waiting_[blocker] = static_cast<std::uint32_t>(waits_.size() - 1);
-            return false;
+            return;
         }
     }
     cut(b);
-    return true;
+    cut_spikes();
 }
 
 void Triangulator::cut_ears() {
@@ -217,6 +231,8 @@ void Triangulator::cut_ears() {
         after_[i] = i + 1 == count ? 0 : i + 1;
     }
     for (std::uint32_t i = 0; i < count; ++i) convex_[i] = turn(before_[i], i, after_[i]) > 0.0;
+    waiting_.assign(count, nothing);
+    waits_.clear();
     sort_into_rows();
 
     // A corner nearly in line with its neighbors is not cut off as long as there are others: a triangle of no width
@@ -224,8 +240,12 @@ void Triangulator::cut_ears() {
     // below which a corner counts as such.
     double flat = 0x1p-8;
     Care care = Care::strict;
-    std::uint32_t left = count;
+    left_ = count;
     next_.clear();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (is_spike(i)) spikes_.push_back(i);
+    }
+    cut_spikes();
     while (true) {
         // Anew: whose turn it was in vain may be helped by what others left.
         waiting_.assign(count, nothing);
@@ -233,18 +253,18 @@ void Triangulator::cut_ears() {
         for (std::uint32_t i = 0; i < count; ++i) {
             if (!cut_[i]) ask_again(i);
         }
-        const std::uint32_t left_before = left;
-        while (!next_.empty() && left > 3) {
+        const std::uint32_t left_before = left_;
+        while (!next_.empty() && left_ > 3) {
             // In rounds: two corners that are cut off one after the other are no neighbors, so triangles are less thin.
             now_.swap(next_);
             next_.clear();
             for (const auto& [b, asked] : now_) {
-                if (left > 3 && !cut_[b] && asked == asked_[b] && try_ear(b, flat, care)) --left;
+                if (left_ > 3 && !cut_[b] && asked == asked_[b]) try_ear(b, flat, care);
             }
         }
         next_.clear();
-        if (left == 3) break;
-        if (left < left_before) continue;
+        if (left_ == 3) break;
+        if (left_ < left_before) continue;
         if (flat > 0.0) {
             flat = flat > 0x1p-50 ? flat * 0x1p-12 : 0.0;
         } else if (care == Care::strict) {

@@ -36,7 +36,9 @@ class Triangulator {
     bool any_within(const Triangle& ear, F&& f) const;
     bool blocks(std::uint32_t p, const Triangle& ear, bool strict) const;
     std::uint32_t blocker_of(std::uint32_t b, bool strict) const;
-    bool try_ear(std::uint32_t b, double flat, Care care);
+    bool is_spike(std::uint32_t b) const;
+    void try_ear(std::uint32_t b, double flat, Care care);
+    void cut_spikes();
     void cut(std::uint32_t b);
     void ask_again(std::uint32_t b);
     void release(std::uint32_t p);
@@ -44,7 +46,9 @@ class Triangulator {
     std::vector<Triangle> triangles_;
     std::vector<glm::dvec2> flat_;               ///< corners in a plane, counterclockwise
     std::vector<std::uint32_t> before_, after_;  ///< ring of the corners that are left
-    std::vector<char> cut_, convex_;             ///< by corner; what has been cut off counts as convex
+    std::uint32_t left_ = 0;
+    std::vector<std::uint32_t> spikes_;
+    std::vector<char> cut_, convex_;  ///< by corner; what has been cut off counts as convex
     // Whose turn it is, with the how-manieth time that is. A corner that another is in the way of waits for that one.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> now_, next_;
     std::vector<std::uint32_t> asked_;
