@@ -36,11 +36,24 @@ Rgba8 color_of_kind(std::int64_t kind) {
     return to_rgba8({channel(0.0), channel(1.0 / 3.0), channel(2.0 / 3.0), 1.0f});
 }
 
+void bake_light(VertexColoredTriangle& triangle) {
+    const auto& v = triangle.vertices;
+    const glm::vec3 cross = glm::cross(v[1] - v[0], v[2] - v[0]);
+    const float size = glm::length(cross);
+    // No area, or too large or small for a normal in floats: as if in half light.
+    const float facing = size > 0 && std::isfinite(size) ? glm::dot(cross / size, Light{}.to_sun) : 0.0f;
+    const float brightness = 0.675f + 0.325f * facing;
+    for (Rgba8& rgba : triangle.rgba) {
+        const glm::vec4 color = to_vec4(rgba);
+        rgba = to_rgba8(glm::vec4(glm::vec3(color) * brightness, color.a));
+    }
+}
+
 }  // namespace detail
 
 namespace {
 
-using detail::Triangles;
+using detail::Loaded;
 
 std::string lower_extension(const std::filesystem::path& file) {
     std::string extension = file.extension().string();
@@ -50,36 +63,26 @@ std::string lower_extension(const std::filesystem::path& file) {
     return extension;
 }
 
-/// `spheres` says that light, if asked for, is in the colors already.
-Triangles read(const std::filesystem::path& file, const LoadOptions& options, bool& spheres) {
+Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
+    const auto loaded = [](detail::Triangles triangles, bool lit = false) {
+        Loaded l;
+        l.triangles = std::move(triangles);
+        l.lit = lit;
+        return l;
+    };
     const std::string extension = lower_extension(file);
     const auto is = [&](auto... names) { return ((extension == names) || ...); };
-    if (is(".off", ".oogl")) return detail::read_off(detail::read_file(file));
-    if (is(".ply")) return detail::read_ply(detail::read_file(file));
-    if (is(".obj", ".gltf", ".glb")) return detail::read_with_assimp(file);
-    spheres = true;
-    if (is(".pdb", ".ent")) return detail::read_pdb(detail::read_file(file), options);
-    if (is(".xyz")) return detail::read_xyz(detail::read_file(file), options);
-    if (is(".dump", ".lammpstrj")) return detail::read_lammps_dump(detail::read_file(file), options);
-    if (is(".data", ".lmp")) return detail::read_lammps_data(detail::read_file(file), options);
+    if (is(".off", ".oogl")) return loaded(detail::read_off(detail::read_file(file)));
+    if (is(".ply")) return loaded(detail::read_ply(detail::read_file(file)));
+    if (is(".obj")) return loaded(detail::read_with_assimp(file));
+    if (is(".gltf", ".glb")) return detail::read_gltf(file, options);
+    if (is(".pdb", ".ent")) return loaded(detail::read_pdb(detail::read_file(file), options), true);
+    if (is(".xyz")) return loaded(detail::read_xyz(detail::read_file(file), options), true);
+    if (is(".dump", ".lammpstrj")) return loaded(detail::read_lammps_dump(detail::read_file(file), options), true);
+    if (is(".data", ".lmp")) return loaded(detail::read_lammps_data(detail::read_file(file), options), true);
     throw std::runtime_error("unknown extension " + detail::in_quotes(extension) +
                              "; known are .off .oogl .ply .obj .gltf .glb .pdb .ent .xyz .dump .lammpstrj "
                              ".data .lmp");
-}
-
-void bake_light(Triangles& triangles) {
-    const glm::vec3 to_light = Light{}.to_sun;
-    for (VertexColoredTriangle& triangle : triangles) {
-        const auto& v = triangle.vertices;
-        const glm::vec3 cross = glm::cross(v[1] - v[0], v[2] - v[0]);
-        const float size = glm::length(cross);
-        // No area, or too large or small for a normal in floats: as if in half light.
-        const float facing = size > 0 && std::isfinite(size) ? glm::dot(cross / size, to_light) : 0.0f;
-        const float brightness = 0.675f + 0.325f * facing;
-        for (Rgba8& rgba : triangle.rgba) {
-            rgba = to_rgba8(glm::vec4(glm::vec3(to_vec4(rgba)) * brightness, 1.0f));
-        }
-    }
 }
 
 /// Messages from other libraries may have line ends in them.
@@ -94,20 +97,24 @@ std::string one_line(std::string text) {
 
 Scene load(const std::filesystem::path& file, const LoadOptions& options) {
     Scene scene{file.stem().string(), std::vector<Group>(1)};
-    Triangles& triangles = scene.groups[0].triangles;
     const auto fail = [&](const std::string& reason) -> std::runtime_error {
         return std::runtime_error(one_line(file.string() + ": " + reason));
     };
-    bool spheres = false;
+    Loaded loaded;
     try {
-        triangles = read(file, options, spheres);
+        loaded = read(file, options);
     } catch (const std::bad_alloc&) {
         throw fail("too large for the memory there is");
     } catch (const std::exception& error) {
         throw fail(error.what());
     }
-    if (triangles.empty()) throw fail(spheres ? "has no atoms" : "has no triangles");
-    if (options.bake_light && !spheres) bake_light(triangles);
+    if (loaded.triangles.empty()) throw fail(loaded.lit ? "has no atoms" : "has no triangles");
+    if (options.bake_light && !loaded.lit) {
+        for (VertexColoredTriangle& triangle : loaded.triangles) detail::bake_light(triangle);
+    }
+    scene.groups[0].triangles = std::move(loaded.triangles);
+    scene.origin = loaded.origin;
+    scene.notes = std::move(loaded.notes);
     return scene;
 }
 

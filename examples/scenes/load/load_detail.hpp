@@ -15,6 +15,7 @@
 
 #include "scenes/load/load.hpp"
 #include "scenes/load/mesh.hpp"
+#include "scenes/load/mesh.hpp"
 
 namespace farfield::scenes::detail {
 
@@ -25,16 +26,17 @@ std::string read_file(const std::filesystem::path& file);
 /// Vertices are checked to be finite by `load`'s readers themselves, who know their index.
 Triangles read_off(std::string_view text);
 Triangles read_ply(std::string_view bytes);
-/// OBJ and glTF; opens the file again, for those that lie beside it.
+/// OBJ; opens the file again, for those that lie beside it.
 Triangles read_with_assimp(const std::filesystem::path& file);
+/// Opens files that lie beside it.
+Loaded read_gltf(const std::filesystem::path& file, const LoadOptions& options);
 Triangles read_pdb(std::string_view text, const LoadOptions& options);
 Triangles read_xyz(std::string_view text, const LoadOptions& options);
 Triangles read_lammps_dump(std::string_view text, const LoadOptions& options);
 Triangles read_lammps_data(std::string_view text, const LoadOptions& options);
 
-/// Refuses what a glTF importer may run away with: node graphs that are no trees, counts and offsets beyond the
-/// buffers, buffers beyond their files. Gives the number of triangles that the meshes, each once, should have.
-std::uint64_t check_gltf(const std::filesystem::path& file, std::string_view bytes);
+/// Multiplies the colors by the light that falls on the triangle; keeps alpha.
+void bake_light(VertexColoredTriangle& triangle);
 
 /// One of many well-separated colors for a number that stands for a kind.
 Rgba8 color_of_kind(std::int64_t kind);

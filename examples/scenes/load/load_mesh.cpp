@@ -9,57 +9,12 @@
 #include <map>
 #include <memory>
 
-// Private to this file, so that a program may have an stb_image of its own.
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_NO_STDIO
-#define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
-#define STBI_ONLY_TGA
-#define STBI_ONLY_BMP
-#include <stb_image.h>
-
 #include "scenes/light.hpp"
 #include "scenes/load/load_detail.hpp"
+#include "scenes/load/texture.hpp"
 
 namespace farfield::scenes::detail {
 namespace {
-
-struct Image {
-    int width = 0, height = 0;
-    std::vector<Rgba8> texels{};
-
-    /// Nearest, repeating; v = 0 is the bottom row.
-    Rgba8 at(float u, float v) const {
-        const auto wrapped = [](float t, int size) {
-            const float fraction = t - std::floor(t);
-            return std::clamp(static_cast<int>(fraction * static_cast<float>(size)), 0, size - 1);
-        };
-        const int x = wrapped(u, width), y = height - 1 - wrapped(v, height);
-        return texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
-    }
-};
-
-/// No texels if it cannot be decoded or has more than 2^26.
-Image decoded(std::string_view bytes) {
-    Image image;
-    int channels = 0;
-    if (bytes.empty() || bytes.size() > 0x7fffffff) return image;
-    const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
-    const int size = static_cast<int>(bytes.size());
-    if (!stbi_info_from_memory(data, size, &image.width, &image.height, &channels)) return image;
-    if (std::int64_t{image.width} * image.height > (std::int64_t{1} << 26)) return image;
-    const std::unique_ptr<stbi_uc, void (*)(void*)> texels(
-        stbi_load_from_memory(data, size, &image.width, &image.height, &channels, 4), stbi_image_free);
-    if (!texels) return image;
-    const std::size_t count = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-    image.texels.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const stbi_uc* t = texels.get() + 4 * i;
-        image.texels.push_back({t[0], t[1], t[2], t[3]});
-    }
-    return image;
-}
 
 class Textures {
   public:
@@ -180,25 +135,18 @@ class Collector {
     void color(const aiMesh& mesh, const std::array<unsigned, 3>& corners, std::array<Rgba8, 3>& colors) const {
         const Surface surface = mesh.mMaterialIndex < surfaces_.size() ? surfaces_[mesh.mMaterialIndex] : Surface{};
         const aiVector3D* uv = mesh.mTextureCoords[0];
-        aiVector3D middle;
-        if (uv) middle = (uv[corners[0]] + uv[corners[1]] + uv[corners[2]]) / 3.0f;
+        std::array<Rgba8, 3> texels{};
+        if (surface.image && uv) {
+            const auto at = [&](std::size_t k) { return glm::vec2(uv[corners[k]].x, uv[corners[k]].y); };
+            texels = Texture{surface.image}.corners({at(0), at(1), at(2)});
+        }
         for (std::size_t k = 0; k < 3; ++k) {
             glm::vec3 c = surface.color;
             if (const aiColor4D* own = mesh.mColors[0]) {
                 c *= glm::vec3(own[corners[k]].r, own[corners[k]].g, own[corners[k]].b);
             }
             if (surface.image && uv) {
-                // A little inside, for in atlases the corner's own texel may be the neighbor's.
-                const aiVector3D t = uv[corners[k]] * 0.9f + middle * 0.1f;
-                Rgba8 texel = surface.image->at(t.x, t.y);
-                // Cut-out leaves are drawn whole, and a transparent texel's color is often black: take one of
-                // those that would be seen.
-                for (float way = 0.2f; texel.a < 128 && way < 1.0f; way += 0.2f) {
-                    const aiVector3D inner = uv[corners[k]] * (1.0f - way) + middle * way;
-                    texel = surface.image->at(inner.x, inner.y);
-                }
-                if (texel.a < 128) texel = {255, 255, 255, 255};
-                c *= surface.linear ? linear_color(texel) : glm::vec3(to_vec4(texel));
+                c *= surface.linear ? linear_color(texels[k]) : glm::vec3(to_vec4(texels[k]));
             }
             colors[k] = surface.linear ? display_color(c) : to_rgba8(glm::vec4(c, 1.0f));
         }
@@ -210,35 +158,16 @@ class Collector {
     Triangles triangles_;
 };
 
-std::uint64_t triangles_in_meshes(const aiScene& scene) {
-    std::uint64_t sum = 0;
-    for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-        const aiMesh& mesh = *scene.mMeshes[m];
-        sum += static_cast<std::uint64_t>(std::count_if(mesh.mFaces, mesh.mFaces + mesh.mNumFaces,
-                                                        [](const aiFace& f) { return f.mNumIndices == 3; }));
-    }
-    return sum;
-}
-
 }  // namespace
 
 Triangles read_with_assimp(const std::filesystem::path& file) {
     const std::string bytes = read_file(file);
     if (bytes.empty()) throw std::runtime_error("is empty");
-    const std::string extension = file.extension().string();
-    const bool gltf = extension.size() > 1 && (extension[1] == 'g' || extension[1] == 'G');
-    const std::uint64_t expected = gltf ? check_gltf(file, bytes) : 0;
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
     if (!scene) throw std::runtime_error(importer.GetErrorString());
     if (!scene->mRootNode || !scene->HasMeshes()) return {};
-    // Assimp leaves out faces of glTF that name vertices which do not exist, with a line in its log.
-    const std::uint64_t triangles = triangles_in_meshes(*scene);
-    if (triangles < expected) {
-        throw std::runtime_error(std::to_string(expected - triangles) + " of " + std::to_string(expected) +
-                                 " triangles name vertices out of range");
-    }
-    return Collector(*scene, file.parent_path(), gltf).collected();
+    return Collector(*scene, file.parent_path(), false).collected();
 }
 
 }  // namespace farfield::scenes::detail
