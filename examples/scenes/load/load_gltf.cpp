@@ -480,8 +480,9 @@ class Collector {
             // The first child is to be next.
             pending.insert(pending.end(), nodes.children(node).rbegin(), nodes.children(node).rend());
         }
-        if (mesh_.triangles.empty() && meshes_.points() + meshes_.lines() > 0) {
-            throw std::runtime_error("has points and lines only, which are not drawn");
+        if (mesh_.triangles.empty()) {
+            const bool others = meshes_.points() + meshes_.lines() > 0;
+            throw std::runtime_error(others ? "has points and lines only, which are not drawn" : "has no triangles");
         }
         Loaded loaded = in_single_precision(mesh_);
         put_light(loaded.triangles, options);
