@@ -66,7 +66,7 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
                             sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a));
                         }
                         sum *= weight * (1.0f / 255);
-                        if (sum.a <= coverage_threshold) continue;
+                        if (sum.w <= coverage_threshold) continue;
                         std::array<unsigned, 3> place{};
                         place[side / 2] = slab;
                         place[(side / 2 + 1) % 3] = u;

@@ -67,7 +67,7 @@ struct OpacityTensor {
             sampler.sample(grid, contents, std::span<Rgba8>(out));
             glm::vec4 sum(0);
             for (const Rgba8 c : out) sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a));
-            if (sum.a > 0) d.sums.color = glm::vec3(sum) * (255 / sum.a * d.sums.area);
+            if (sum.w > 0) d.sums.color = glm::vec3(sum) * (255 / sum.w * d.sums.area);
         }
         return d;
     }
@@ -136,7 +136,7 @@ struct OpacityTensor {
         const float gain = law != AreaLaw::coherent ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
         const glm::vec3 rgb = seen.rgb + 0.5f;
         sink(Splat{center, size * (tensor_unit(cell) * std::sqrt(std::max(part, 1.0f))), std::min(gain * part, 1.0f),
-                   Rgba8{std::uint8_t(rgb.r), std::uint8_t(rgb.g), std::uint8_t(rgb.b), std::uint8_t(law)}});
+                   Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});
     }
 
     /// Three rectangles that cross, each as opaque as the contents are along its normal. Turned with an instance, their

@@ -31,7 +31,7 @@ struct Similarity {
         const double s = std::cbrt(determinant);
         const glm::dmat3 unit = linear * (1.0 / s);
         const glm::dmat3 gram = glm::transpose(unit) * unit;
-        constexpr double rounding = 256.0 * std::numeric_limits<float>::epsilon();
+        constexpr double rounding = 256.0 * double(std::numeric_limits<float>::epsilon());
         bool similar = s > 0 && std::isnormal(float(s)) && m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1;
         for (int i = 0; i < 3; ++i) {
             similar = similar && std::isfinite(m[3][i]);

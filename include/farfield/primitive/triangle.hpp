@@ -39,7 +39,7 @@ struct Triangle {
         sink(Polygon{vertices, {&rgba, 1}});
     }
 };
-static_assert(sizeof(Triangle) == 40);
+static_assert(sizeof(Triangle) == 40 || !vectors_are_packed);
 
 /// A triangle with a color at each vertex, interpolated in perspective between them.
 struct VertexColoredTriangle {
@@ -54,6 +54,6 @@ struct VertexColoredTriangle {
         sink(Polygon{vertices, rgba});
     }
 };
-static_assert(sizeof(VertexColoredTriangle) == 48);
+static_assert(sizeof(VertexColoredTriangle) == 48 || !vectors_are_packed);
 
 }  // namespace farfield

@@ -92,8 +92,8 @@ LitSurface lit_surface(const Polygon& polygon, glm::vec4 color, glm::vec3 normal
         if (!closed_surfaces) back = sampler.brightness(polygon, -normal);
     }
     const glm::vec3 rgb = glm::vec3(color) * 255.0f;
-    if (closed_surfaces) return {normal, color.a, front * rgb, front * luminance(rgb)};
-    return {normal, color.a, 0.5f * (front + back) * rgb, 0.5f * (front - back) * luminance(rgb)};
+    if (closed_surfaces) return {normal, color.w, front * rgb, front * luminance(rgb)};
+    return {normal, color.w, 0.5f * (front + back) * rgb, 0.5f * (front - back) * luminance(rgb)};
 }
 
 }  // namespace detail

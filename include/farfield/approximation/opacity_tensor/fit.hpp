@@ -121,7 +121,10 @@ class TensorFit {
         const auto pivot = [](float rest, float of) { return rest > 1e-5f * of ? std::sqrt(rest) : 0.0f; };
         const float largest = std::max(t[0], std::max(t[3], t[5]));
         l[0] = pivot(t[0], largest);
-        if (l[0] > 0) l[1] = t[1] / l[0], l[2] = t[2] / l[0];
+        if (l[0] > 0) {
+            l[1] = t[1] / l[0];
+            l[2] = t[2] / l[0];
+        }
         l[3] = pivot(t[3] - l[1] * l[1], largest);
         if (l[3] > 0) l[4] = (t[4] - l[2] * l[1]) / l[3];
         l[5] = pivot(t[5] - l[2] * l[2] - l[4] * l[4], largest);

@@ -74,9 +74,9 @@ struct StoredTensor {
         for (int axis = 0; axis < 3; ++axis) low.put(4, nearest(shape.extent[axis] * 16 - 1, 15));
         for (int axis = 0; axis < 3; ++axis) high.put(5, signed_bits(shape.facing[axis] / scale, 15));
         for (int axis = 0; axis < 3; ++axis) high.put(5, signed_bits(shape.tone[axis] / scale, 15));
-        high.put(5, nearest(shape.rgb.r * (31.0f / 255), 31));
-        high.put(6, nearest(shape.rgb.g * (63.0f / 255), 63));
-        high.put(5, nearest(shape.rgb.b * (31.0f / 255), 31));
+        high.put(5, nearest(shape.rgb.x * (31.0f / 255), 31));
+        high.put(6, nearest(shape.rgb.y * (63.0f / 255), 63));
+        high.put(5, nearest(shape.rgb.z * (31.0f / 255), 31));
         low.put(1, std::uint32_t(kept) & 1);
         high.put(8, std::uint32_t(kept) >> 1);
         high.put(2, std::uint32_t(shape.law));

@@ -123,7 +123,7 @@ class PolygonStream {
         const glm::vec4 c = to_vec4(polygon.colors[0]);
         const glm::vec4 expected = c + s * (to_vec4(polygon.colors[i]) - c) + t * (to_vec4(polygon.colors[i + 1]) - c);
         const glm::vec4 off = glm::abs(to_vec4(polygon.colors[i + 2]) - expected) * 255.0f;
-        return off.r <= 1 && off.g <= 1 && off.b <= 1 && off.a <= 1;
+        return off.x <= 1 && off.y <= 1 && off.z <= 1 && off.w <= 1;
     }
 
     std::vector<PolygonRecord> records_;
