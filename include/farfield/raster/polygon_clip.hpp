@@ -28,7 +28,7 @@ class ClippedPolygon {
         glm::vec4 color;    ///< whatever varies linearly over the polygon
         bool is_cut;
     };
-    /// Enough for triangles and far-field faces; each of the five planes adds at most one corner.
+    /// Enough for triangles and far-field faces; each of the six planes adds at most one corner.
     static constexpr std::size_t largest_input = 8;
 
     /// Takes local coordinates.
@@ -40,10 +40,12 @@ class ClippedPolygon {
         vertices_[count_++] = {p, projection.project(corner), color, false};
     }
 
-    /// Leaves the part beyond the near plane and inside the guard band.
+    /// Leaves the part between the near plane and the far one and inside the guard band.
     void clip(const SampleProjection& projection) {
         if (std::isfinite(projection.near_depth))
             cut([&](const glm::dvec3& p) { return p.z - double(projection.near_depth); });
+        if (std::isfinite(projection.far_depth))
+            cut([&](const glm::dvec3& p) { return double(projection.far_depth) - p.z; });
         const auto w = [&](const glm::dvec3& p) {
             return double(SampleProjection::guard_band * 256) *
                    (p.z * double(projection.depth_weight) + double(projection.depth_bias));

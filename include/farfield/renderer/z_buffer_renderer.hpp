@@ -77,8 +77,8 @@ class ZBufferRenderer {
         if (!(nearest > 0)) return false;
         const float inverse = projection.inverse_w(p.z) * (1.0f / 256), x = p.x * inverse, y = p.y * inverse;
         const float skew = projection.is_perspective ? 1.0f : 0.0f, reach = radius / nearest;
-        const float rx = reach * (projection.focal + skew * std::abs(x)),
-                    ry = reach * (projection.focal + skew * std::abs(y));
+        const float rx = reach * (projection.focal.x + skew * std::abs(x)),
+                    ry = reach * (projection.focal.y + skew * std::abs(y));
         if (!(rx < 64 && ry < 64)) return false;  // large ones are seldom hidden and their children are asked again
         const float cx = x + projection.offset_x * (1.0f / 256), cy = y + projection.offset_y * (1.0f / 256);
         // Nothing is nearer than this q, roundings included; vertices are snapped, hence one more sample around.
