@@ -76,7 +76,7 @@ TEST_CASE("a view from inside an instance shows its points where the world's vie
         m = glm::scale(m, glm::dvec3(scale));
         const Similarity placed(m);
         const LocalView inner = outer.inside(placed, outer_origin, inner_origin);
-        CHECK(inner.near_depth * placed.scale == Approx(0.5f));
+        CHECK(inner.near_depth * placed.scale() == Approx(0.5f));
         CHECK(inner.scale == Approx(scale));
         const glm::dvec3 p = glm::dvec3(random.in_cube(1)) / scale;
         const glm::dvec3 a = on_picture(outer, placed.apply(p) - outer_origin), b = on_picture(inner, p - inner_origin);

@@ -77,16 +77,16 @@ struct LocalView {
     /// The same view seen from inside an instance: `offset` is the instance's own origin in its own coordinates.
     LocalView inside(const Similarity& placed, glm::dvec3 outer_origin, glm::dvec3 inner_origin) const {
         LocalView v = *this;
-        const glm::mat3 to_local = glm::transpose(placed.rotation);
+        const glm::mat3 to_local = glm::transpose(placed.rotation());
         const glm::dvec3 from_placement = glm::dvec3(eye) + outer_origin - placed.translation;
-        v.eye = glm::vec3(glm::dmat3(to_local) * from_placement / double(placed.scale) - inner_origin);
+        v.eye = glm::vec3(glm::dmat3(to_local) * from_placement / double(placed.scale()) - inner_origin);
         v.right = to_local * right;
         v.up = to_local * up;
         v.forward = to_local * forward;
-        v.near_depth = near_depth / placed.scale;
-        v.far_depth = far_depth / placed.scale;
-        v.scale = scale * placed.scale;
-        if (!is_perspective) v.focal_px = focal_px * placed.scale;
+        v.near_depth = near_depth / placed.scale();
+        v.far_depth = far_depth / placed.scale();
+        v.scale = scale * placed.scale();
+        if (!is_perspective) v.focal_px = focal_px * placed.scale();
         v.set_planes();
         return v;
     }
