@@ -2,6 +2,7 @@
 #include "farfield/renderer.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "catch.hpp"
@@ -70,6 +71,14 @@ struct PageInGivesNothing : Runs {
     void upload(const Source<P>&) {}
     void release(std::uint32_t) {}
 };
+struct MisspeltLifetime : Runs {
+    static constexpr RendererFacts facts{.tells_lifetime = true};
+    std::weak_ptr<const void> life() const { return {}; }
+};
+struct LifetimeWithoutFlag : Runs {
+    static constexpr RendererFacts facts{};
+    int lifetime() const { return 0; }
+};
 struct MisspeltFaces : Runs {
     static constexpr RendererFacts facts{.draws_faces = true};
     void draw_faces(std::span<const Face>) {}
@@ -112,6 +121,8 @@ static_assert(Renderer<TrianglesOnly, Triangle> && !Renderer<TrianglesOnly, Vert
 static_assert(!Renderer<KeepsNothing, Triangle> && !Renderer<MisspeltPageOut, Triangle> &&
               !Renderer<PageInGivesNothing, Triangle>);
 static_assert(!detail::KeepsSourcesIfStated<KeepsNothing, Triangle> && detail::KeepsSourcesIfStated<Least, Triangle>);
+static_assert(!Renderer<MisspeltLifetime, Triangle> && !detail::TellsLifetimeIfStated<MisspeltLifetime> &&
+              Renderer<LifetimeWithoutFlag, Triangle> && TellsLifetime<ZBufferRenderer>);
 static_assert(!Renderer<MisspeltFaces, Triangle> && !detail::DrawsFacesIfStated<MisspeltFaces>);
 static_assert(!Renderer<SplatsOfUnknownSize, Triangle> && !detail::DrawsSplatsIfStated<SplatsOfUnknownSize>);
 static_assert(!Renderer<MisspeltHidden, Triangle> && !Renderer<HiddenPerhaps, Triangle> &&

@@ -2,19 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <numeric>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/partition/polygon_bsp.hpp"
+#include "farfield/renderer/hierarchical_z_renderer.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
+#include "support/tilers.hpp"
 #include "support/variants.hpp"
 
 using namespace farfield;
@@ -41,6 +49,114 @@ std::size_t faces_that_look_away(const Recording& r, const LocalView& view) {
 }
 
 }  // namespace
+
+namespace {
+
+using Exactly = SpatialHierarchy<Octree, Exact, TriangleCount>;
+
+template <class... A>
+concept CanBeViewed = requires(A&&... a) {
+    make_viewer(std::forward<A>(a)...);
+};
+template <class... A>
+concept MakesAViewer = std::constructible_from<Viewer<Exactly, Triangle, ZBufferRenderer>, A...>;
+
+// What lives on may be borrowed, what is made in the call may not.
+using Span = std::span<const Triangle>;
+static_assert(CanBeViewed<Exactly&, Triangles&, ZBufferRenderer&> &&
+              CanBeViewed<const Exactly&, const Triangles&, ZBufferRenderer&> &&
+              CanBeViewed<Exactly&, Span&, ZBufferRenderer&> && CanBeViewed<Exactly&, Span, ZBufferRenderer&>);
+static_assert(!CanBeViewed<Exactly, Triangles&, ZBufferRenderer&> && !CanBeViewed<Exactly, Span, ZBufferRenderer&> &&
+              !CanBeViewed<Exactly&, Triangles, ZBufferRenderer&> &&
+              !CanBeViewed<Exactly, Triangles, ZBufferRenderer&> &&
+              !CanBeViewed<Exactly&, const Triangles, ZBufferRenderer&> &&
+              !CanBeViewed<Exactly&, Triangles&, ZBufferRenderer> && !CanBeViewed<Exactly&, Span, ZBufferRenderer>);
+static_assert(MakesAViewer<Exactly&, Triangles&, ZBufferRenderer&> && MakesAViewer<Exactly&, Span, ZBufferRenderer&>);
+static_assert(!MakesAViewer<Exactly, Triangles&, ZBufferRenderer&> &&
+              !MakesAViewer<Exactly&, Triangles, ZBufferRenderer&> &&
+              !MakesAViewer<Exactly, Triangles, ZBufferRenderer&> &&
+              !MakesAViewer<Exactly&, Triangles&, ZBufferRenderer>);
+static_assert(!std::move_constructible<ZBufferRenderer> && !std::copy_constructible<ZBufferRenderer>,
+              "viewers hold on to where it is");
+
+}  // namespace
+
+TEST_CASE("viewers of one renderer share what is uploaded, and the last takes it away") {
+    const Triangles triangles = random_triangles(1000, 111);
+    const Exactly h = build<Exactly>(triangles);
+    ZBufferRenderer renderer;
+    CHECK(renderer.uploaded_bytes() == 0);
+    std::size_t bytes = 0;
+    {
+        auto one = make_viewer(h, triangles, renderer);
+        bytes = renderer.uploaded_bytes();
+        CHECK(bytes >= 40 * 1000);
+        CHECK(bytes <= 42 * 1000);
+        {
+            auto other = make_viewer(h, triangles, renderer);
+            CHECK(renderer.uploaded_bytes() == bytes);
+            const View view = looking({6, 2, 4}, {}, 64);
+            other.frame(view);
+            const Image image = renderer.image();
+            one.frame(view);
+            CHECK(renderer.image() == image);
+        }
+        CHECK(renderer.uploaded_bytes() == bytes);
+    }
+    CHECK(renderer.uploaded_bytes() == 0);
+}
+
+TEST_CASE("a viewer may go after its renderer, and draws nothing without it") {
+    const Triangles triangles = random_triangles(100, 112);
+    const Exactly h = build<Exactly>(triangles);
+    std::optional<Viewer<Exactly, Triangle, ZBufferRenderer>> viewer;
+    std::optional<Viewer<Exactly, Triangle, CoverageRenderer>> of_masks;
+    {
+        ZBufferRenderer renderer;
+        CoverageRenderer masks;
+        viewer.emplace(h, triangles, renderer);
+        of_masks.emplace(h, triangles, masks);
+        viewer->frame(looking({6, 2, 4}));
+    }
+    CHECK_THROWS_WITH(viewer->frame(looking({6, 2, 4})),
+                      "farfield::Viewer: its renderer is gone; declare the renderer before the viewer");
+    CHECK_THROWS_AS(of_masks->frame(looking({6, 2, 4})), std::logic_error);
+    CHECK(viewer->select(looking({6, 2, 4})).entries().size() > 0);
+}
+
+TEST_CASE("pictures are the same from a renderer's copy and from the user's array") {
+    const Triangles triangles = mixed_triangles(3000, 113);
+    using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
+    using Bsp = SpatialHierarchy<PolygonBsp, Exact, TriangleCount>;
+    const Triangles few = random_triangles(200, 114, 0.5f);
+    const auto tensors = build<Tensors>(triangles);
+    const auto bsp = build<Bsp>(few);
+    Triangles in_order = triangles;
+    const auto in_place = build_in_place<Tensors>(in_order);
+    const auto check = [&]<class R>(std::in_place_type_t<R>, const auto& h, const Triangles& primitives) {
+        for (const bool deposits : {false, true}) {
+            ZBufferOptions options{.samples = 4, .light = DirectionalLight{}, .deposits_small_triangles = deposits};
+            R copying(options);
+            options.copies_sources = false;
+            R reading(options);
+            auto from_copy = make_viewer(h, primitives, copying);
+            auto from_array = make_viewer(h, primitives, reading);
+            CHECK(reading.uploaded_bytes() * 9 < copying.uploaded_bytes());
+            for (int i = 0; i < 8; ++i) {
+                const View view =
+                    looking({(9 - i) * std::cos(i), 1, (9 - i) * std::sin(i)}, {0.1, 0, 0}, 90, float(i % 3));
+                from_copy.frame(view);
+                from_array.frame(view);
+                CHECK(copying.image() == reading.image());
+            }
+        }
+    };
+    check(std::in_place_type<ZBufferRenderer>, tensors, triangles);
+    check(std::in_place_type<ZBufferRenderer>, in_place, in_order);
+    check(std::in_place_type<ZBufferRenderer>, bsp, few);
+    check(std::in_place_type<HierarchicalZRenderer>, tensors, triangles);
+    check(std::in_place_type<HierarchicalZRenderer>, bsp, few);
+}
 
 TEST_CASE("what a frame says it did adds up") {
     const Triangles triangles = mixed_triangles(6000, 100);

@@ -30,6 +30,9 @@ struct Scene {
     std::string name{};
     std::vector<Group> groups{};
     glm::vec3 up{0.0f, 1.0f, 0.0f};
+    /// Where the root's zero lies in the coordinates of the file that the scene is from: not 0 only if single precision
+    /// would be too coarse there.
+    glm::dvec3 origin{0.0, 0.0, 0.0};
 };
 
 // All below throw std::invalid_argument if there is no group, or if a placement names a group that is not

@@ -89,13 +89,15 @@ requires BuildableFrom<H, std::ranges::range_value_t<Range>> &&(H::assignment ==
     using P = std::ranges::range_value_t<Range>;
     const std::span<P> all(std::ranges::data(primitives), std::ranges::size(primitives));
     typename H::Data data = detail::build_data(std::span<const P>(all), options);
+    const std::vector<std::uint32_t> order = std::exchange(data.order, {});
+    data.facts.fingerprint = detail::fingerprint_of(std::span<const P>(all), order);
+    // Primitives are moved last, when nothing needs memory any more.
     std::vector<P> ordered;
     ordered.reserve(all.size());
-    for (const std::uint32_t i : data.order) ordered.push_back(std::move(all[i]));
+    H hierarchy(options.partition, options.approximation, options.cost_model, std::move(data));
+    for (const std::uint32_t i : order) ordered.push_back(std::move(all[i]));
     std::move(ordered.begin(), ordered.end(), all.begin());
-    data.order = {};
-    data.facts.fingerprint = detail::fingerprint_of(std::span<const P>(all));
-    return H(options.partition, options.approximation, options.cost_model, std::move(data));
+    return hierarchy;
 }
 
 }  // namespace farfield

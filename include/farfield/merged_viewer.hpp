@@ -88,8 +88,11 @@ class MergedViewer {
 
     /// Draws into the renderer. Throws only what the renderer's begin_frame throws, and for memory.
     MergedFrameStats frame(const View& view) {
+        sources_.check_renderer("farfield::MergedViewer");
         stats_ = {};
         walker_.begin_frame();
+        regions_.clear();
+        waiting_parts_.clear();
         const LocalView outer = outermost(view);
         renderer_.begin_frame(outer);
         region_parts_.clear();
@@ -114,7 +117,9 @@ class MergedViewer {
         const Body& body = bodies_[b];
         if (body.hierarchy == nullptr) detail::fail<std::invalid_argument>(name + " has no hierarchy");
         detail::check_source(name.c_str(), *body.hierarchy, body.primitives, /*needs_strict_order=*/true);
-        detail::check_fingerprint(name.c_str(), *body.hierarchy, body.primitives);
+        if (!sources_.has(*body.hierarchy, body.primitives)) {
+            detail::check_fingerprint(name.c_str(), *body.hierarchy, body.primitives);
+        }
         sources_.add_all(*body.hierarchy, body.primitives);
     }
 
@@ -123,8 +128,8 @@ class MergedViewer {
     LocalView outermost(const View& view) const {
         BoxD whole = BoxD::empty();
         for (const Body& body : bodies_) whole.add(body.bounds());
-        const glm::vec3 size = whole.is_empty() ? glm::vec3(0) : glm::vec3(whole.size());
-        return LocalView(view, origin(), whole.is_empty() ? 1.0f : std::sqrt(glm::dot(size, size)));
+        if (whole.is_empty()) return LocalView(view, origin(), Box::empty());
+        return LocalView(view, origin(), float(length_of(whole.size())), glm::vec3(whole.center() - origin()));
     }
 
     // --- regions of more than one body

@@ -4,6 +4,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "farfield/drawables.hpp"
@@ -22,6 +23,7 @@ struct RendererFacts {
     VisitOrder far_field_order =
         VisitOrder::front_to_back;  ///< back_to_front: stand-ins are replayed after everything else
     bool keeps_sources = false;     ///< std::uint32_t upload(Source<P>) once a source, release(id) when it goes
+    bool tells_lifetime = false;    ///< std::weak_ptr<const void> lifetime() const: expires when the renderer goes
     bool draws_faces = false;       ///< draw(std::span<const Face>)
     bool draws_splats = false;      ///< draw(std::span<const Splat>), float largest_splat_px()
     bool draws_polygons = false;    ///< draw(std::span<const Polygon>): pieces made for this frame, local coordinates
@@ -56,6 +58,11 @@ concept KeepsSources = requires(R& r, const Source<P>& source, std::uint32_t id)
 };
 
 template <class R>
+concept TellsLifetime = requires(const R& r) {
+    { r.lifetime() } -> std::same_as<std::weak_ptr<const void>>;
+};
+
+template <class R>
 concept DrawsFaces = requires(R& r, std::span<const Face> faces) {
     r.draw(faces);
 };
@@ -85,6 +92,8 @@ namespace detail {
 template <class R, class P>
 concept KeepsSourcesIfStated = !R::facts.keeps_sources || KeepsSources<R, P>;
 template <class R>
+concept TellsLifetimeIfStated = !R::facts.tells_lifetime || TellsLifetime<R>;
+template <class R>
 concept DrawsFacesIfStated = !R::facts.draws_faces || DrawsFaces<R>;
 template <class R>
 concept DrawsSplatsIfStated = !R::facts.draws_splats || DrawsSplats<R>;
@@ -99,7 +108,7 @@ concept DepositsPrimitivesIfStated = !R::facts.deposits_primitives || DepositsPr
 
 template <class R, class P>
 concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && detail::KeepsSourcesIfStated<R, P> &&
-    detail::DrawsFacesIfStated<R> && detail::DrawsSplatsIfStated<R> && detail::DrawsPolygonsIfStated<R> &&
-    detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R>;
+    detail::TellsLifetimeIfStated<R> && detail::DrawsFacesIfStated<R> && detail::DrawsSplatsIfStated<R> &&
+    detail::DrawsPolygonsIfStated<R> && detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R>;
 
 }  // namespace farfield

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <ranges>
 #include <span>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "farfield/composition.hpp"
@@ -24,6 +26,13 @@
 #include "farfield/view/local_view.hpp"
 
 namespace farfield {
+
+namespace detail {
+/// A range that is about to go, and what it holds with it.
+template <class Range>
+concept OwningTemporary =
+    !std::is_lvalue_reference_v<Range> && std::ranges::range<Range> && !std::ranges::borrowed_range<Range>;
+}  // namespace detail
 
 /// Borrows hierarchy, primitives and renderer, which outlive it. Not to be used by two threads at once; many viewers
 /// may share a hierarchy. Frames do not allocate once buffers have grown to what the scene needs.
@@ -42,10 +51,15 @@ class Viewer {
           queue_(renderer, stats_) {
         sources_.add_all(hierarchy, primitives);
     }
+    /// What is borrowed must outlive the viewer, as what is made in the call does not.
+    Viewer(const H&&, std::span<const P>, R&) = delete;
+    template <detail::OwningTemporary Range>
+    Viewer(const H&, Range&&, R&) = delete;
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
-    /// Draws into the renderer. Throws only what the renderer's begin_frame throws, and for memory.
+    /// Draws into the renderer. Throws only what the renderer's begin_frame throws, for memory, and std::logic_error if
+    /// the renderer says that it is gone. Whatever was thrown, the next frame is as if there had been no other.
     FrameStats frame(const View& view) {
         const LocalView local = outermost(view);
         begin(local, view);
@@ -101,12 +115,11 @@ class Viewer {
 
   private:
     LocalView outermost(const View& view) const {
-        const Box& b = hierarchy_.bounds();
-        const float diagonal = b.is_empty() ? 1.0f : std::sqrt(glm::dot(b.size(), b.size()));
-        return LocalView(view, hierarchy_.origin(), diagonal);
+        return LocalView(view, hierarchy_.origin(), hierarchy_.bounds());
     }
 
     void begin(const LocalView& local, const View& view) {
+        sources_.check_renderer("farfield::Viewer");
         stats_ = {};
         queue_.begin_frame();
         renderer_.begin_frame(local);
@@ -150,5 +163,12 @@ requires BuildableFrom<H, P> && DrawableWith<H, P, R>
 auto make_viewer(const H& hierarchy, const std::vector<P>& primitives, R& renderer) {
     return Viewer<H, P, R>(hierarchy, std::span<const P>(primitives), renderer);
 }
+/// What is made in the call is gone before the first frame: keep hierarchy, primitives and renderer in variables.
+template <class H, class P, class R>
+void make_viewer(const H&&, std::span<const P>, R&&) = delete;
+template <class H, class P, class R>
+void make_viewer(const H&&, const std::vector<P>&, R&&) = delete;
+template <class H, class P, class R>
+void make_viewer(const H&, const std::vector<P>&&, R&&) = delete;
 
 }  // namespace farfield

@@ -16,24 +16,36 @@
 #include "farfield/primitive/instance.hpp"
 #include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/viewer.hpp"
+#include "support/allocations.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
 #include "support/tilers.hpp"
 #include "support/variants.hpp"
 
+namespace farfield::test {
+
+Allocations& allocations() {
+    static thread_local Allocations of_thread;
+    return of_thread;
+}
+
+}  // namespace farfield::test
+
 namespace {
 
-thread_local std::size_t allocations = 0;
+using farfield::test::allocations;
 
+bool may_allocate(std::size_t size) {
+    farfield::test::Allocations& a = allocations();
+    return ++a.count != a.failing && size <= a.largest;
+}
 void* counted(std::size_t size) {
-    ++allocations;
-    if (void* p = std::malloc(size ? size : 1)) return p;
+    if (void* p = may_allocate(size) ? std::malloc(size ? size : 1) : nullptr) return p;
     throw std::bad_alloc();
 }
 void* counted(std::size_t size, std::align_val_t alignment) {
-    ++allocations;
     const std::size_t step = std::size_t(alignment);
-    if (void* p = std::aligned_alloc(step, (size + step - 1) / step * step)) return p;
+    if (void* p = may_allocate(size) ? std::aligned_alloc(step, (size + step - 1) / step * step) : nullptr) return p;
     throw std::bad_alloc();
 }
 
@@ -52,10 +64,10 @@ void* operator new[](std::size_t size, std::align_val_t alignment) {
     return counted(size, alignment);
 }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-    return ++allocations, std::malloc(size ? size : 1);
+    return may_allocate(size) ? std::malloc(size ? size : 1) : nullptr;
 }
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
-    return ++allocations, std::malloc(size ? size : 1);
+    return may_allocate(size) ? std::malloc(size ? size : 1) : nullptr;
 }
 void operator delete(void* p, const std::nothrow_t&) noexcept {
     std::free(p);
@@ -107,9 +119,9 @@ std::vector<View> path() {
 TEST_CASE("the third time along a path no frame allocates") {
     const Triangles triangles = mixed_triangles(5000, 120);
     const std::vector<View> views = path();
-    const std::size_t before_anything = allocations;
+    const std::size_t before_anything = allocations().count;
     ::operator delete(::operator new(1));
-    const std::size_t counts = allocations - before_anything;
+    const std::size_t counts = allocations().count - before_anything;
     REQUIRE(counts == 1);
     for (const Variant& variant : all_variants()) {
         const auto h = variant.build(triangles);
@@ -119,9 +131,9 @@ TEST_CASE("the third time along a path no frame allocates") {
             for (int round = 0; round < 2; ++round) {
                 for (const View& view : views) viewer->frame(view);
             }
-            const std::size_t before = allocations;
+            const std::size_t before = allocations().count;
             for (const View& view : views) viewer->frame(view);
-            const std::size_t during = allocations - before;
+            const std::size_t during = allocations().count - before;
             INFO(variant.name << ", " << samples << " samples");
             CHECK(during == 0);
         }
@@ -152,14 +164,14 @@ TEST_CASE("replayed stand-ins do not allocate either") {
     auto viewer = make_viewer(h, triangles, renderer);
     std::size_t before = 0;
     for (int round = 0; round < 3; ++round) {
-        before = allocations;
+        before = allocations().count;
         for (const View& view : path()) viewer.frame(view);
-        before = allocations - before;
+        before = allocations().count - before;
     }
     const std::size_t of_path = [] {
-        const std::size_t b = allocations;
+        const std::size_t b = allocations().count;
         path();
-        return allocations - b;
+        return allocations().count - b;
     }();
     CHECK(before == of_path);
     CHECK(renderer.faces > 1000);
@@ -178,10 +190,10 @@ TEST_CASE("frames of masks do not allocate, those of moving bodies neither") {
     const View view = looking({3, 1, 2});
     std::size_t pieces = 0, during = 0;
     for (int round = 0; round < 3; ++round) {
-        const std::size_t before = allocations;
+        const std::size_t before = allocations().count;
         pieces = merged.frame(view).pieces;
         viewer.frame(view);
-        during = allocations - before;
+        during = allocations().count - before;
     }
     CHECK(pieces > 10);
     CHECK(during == 0);

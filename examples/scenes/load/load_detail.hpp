@@ -14,10 +14,9 @@
 #include <vector>
 
 #include "scenes/load/load.hpp"
+#include "scenes/load/mesh.hpp"
 
 namespace farfield::scenes::detail {
-
-using Triangles = std::vector<VertexColoredTriangle>;
 
 inline constexpr Rgba8 uncolored{204, 204, 204, 255};
 

@@ -74,6 +74,7 @@ class RendererLike {
     static constexpr RendererFacts facts = [] {
         RendererFacts f = Like::facts;
         f.keeps_sources = true;
+        f.tells_lifetime = false;  // it lives here
         f.draws_polygons = false;  // they come of MergedViewer only, which no scene is drawn by here
         return f;
     }();

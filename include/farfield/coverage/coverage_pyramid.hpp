@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "farfield/coverage/triage_mask.hpp"
+#include "farfield/raster/made_for.hpp"
 
 namespace farfield {
 
@@ -21,7 +22,7 @@ class CoveragePyramid {
   public:
     /// Sides must be 1 sample or more.
     void begin(int width_samples, int height_samples) {
-        if (width_samples != width_ || height_samples != height_) resize(width_samples, height_samples);
+        made_for_({width_samples, height_samples}, [&] { resize(width_samples, height_samples); });
         cells_ = initial_;
     }
 
@@ -91,6 +92,7 @@ class CoveragePyramid {
         return ~subcells_of_rect(0, 0, std::min(columns_inside, 8) - 1, std::min(rows_inside, 8) - 1);
     }
 
+    detail::MadeFor<detail::BufferSize> made_for_;
     int width_ = 0, height_ = 0;
     bool is_ragged_ = false;
     std::vector<Level> levels_;  ///< from level 1 on

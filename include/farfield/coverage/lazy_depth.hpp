@@ -78,8 +78,9 @@ class LazyDepth {
 
     std::uint32_t add(const Surface& surface) {
         if (surface_count_ == surfaces_.size()) {
-            surfaces_.resize(2 * surfaces_.size() + 64);
-            depths_.resize(surfaces_.size());
+            const std::size_t more = 2 * surfaces_.size() + 64;
+            depths_.resize(more);
+            surfaces_.resize(more);  // last: it tells for how many there is room
         }
         surfaces_[surface_count_] = surface;
         depths_[surface_count_] = surface.depth;

@@ -66,7 +66,9 @@ class Descent {
   public:
     /// `deposits`: in this frame runs carry their cells' laws, where they are known.
     Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits)
-        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits) {}
+        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits) {
+        instances_.resize(0);  // an exception may have ended the last one
+    }
 
     template <class H, class P>
     void enter(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path) {
@@ -232,16 +234,18 @@ class Descent {
     /// Nearer ones first, or, for a renderer that paints, the other way around.
     template <class V>
     static float order_key(const V& v, glm::vec3 p) {
-        const float distance = v.view.is_perspective ? glm::distance(p, v.view.eye) : v.view.depth(p);
+        const float distance = v.view.order_of(p);
         return traversal_order<typename V::hierarchy_type, R> == VisitOrder::back_to_front ? -distance : distance;
     }
 
     template <class V, class I>
     void draw_instance(V& v, const I& instance, std::uint32_t position, std::uint64_t primitive) {
         ++stats_.instances;
-        const LocalView inner = v.view.inside(instance.to_world, v.hierarchy.origin(), instance.hierarchy->origin());
+        LocalView inner = v.view.inside(instance.to_world, v.hierarchy.origin(), instance.hierarchy->origin());
+        const std::uint64_t path = mixed(v.path, primitive + 1);
+        inner.seed = std::uint32_t(path >> 32);
         sink_.enter_instance(v, position);
-        enter(*instance.hierarchy, instance.primitives, inner, mixed(v.path, primitive + 1));
+        enter(*instance.hierarchy, instance.primitives, inner, path);
         sink_.leave_instance(v);
     }
 

@@ -29,7 +29,10 @@ class DrawQueue {
 
     DrawQueue(R& renderer, FrameStats& stats) : renderer_(renderer), stats_(stats) {}
 
+    /// Forgets what waits: an exception may have ended the last frame.
     void begin_frame() {
+        range_count_ = splat_count_ = face_count_ = 0;
+        in_order_ = false;
         deferred_.clear();
         views_.clear();
     }

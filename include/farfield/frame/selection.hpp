@@ -156,10 +156,11 @@ class Selection {
     }
 
     /// A Viewer calls this: forgets what was held, and keeps what descend(sink, stats) selects. Memory is used again.
+    /// If descend throws, the selection is over no hierarchy.
     template <class Descend>
     void select(const H& hierarchy, std::span<const P> primitives, const View& view, const LocalView& local,
                 VisitOrder order, Descend&& descend) {
-        hierarchy_ = &hierarchy;
+        hierarchy_ = nullptr;
         primitives_ = primitives;
         view_ = view;
         order_ = order;
@@ -170,6 +171,7 @@ class Selection {
         views_.push_back(local);
         detail::SelectionSink sink(entries_, views_, open_);
         descend(sink, stats_);
+        hierarchy_ = &hierarchy;
     }
 
   private:

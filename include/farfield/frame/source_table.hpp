@@ -2,16 +2,19 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "farfield/composition.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/geometry/mixed.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/primitive.hpp"
 #include "farfield/renderer.hpp"
@@ -19,9 +22,8 @@
 namespace farfield::detail {
 
 struct SourceState {
-    const void* hierarchy = nullptr;
-    const void* primitives = nullptr;
     std::uint32_t id = 0;                 ///< what the renderer calls it
+    bool is_uploaded = false;             ///< and has to be released
     std::vector<std::uint32_t> stamps{};  ///< by primitive: the last epoch it was drawn in; shared items only
     std::uint32_t epoch = 0;
 
@@ -54,11 +56,17 @@ void check_source(const char* who, const H& h, std::span<const P> primitives, bo
             std::to_string(h.report().cells_out_of_order) + " cells (BuildReport::cells_out_of_order)");
     }
 }
-/// Throws std::invalid_argument if a hierarchy from a file was built from other primitives. Looks at all of them.
+/// Throws std::invalid_argument if a hierarchy was built from other primitives. Looks at all of them, and so only where
+/// a hierarchy comes from a file or, as assertions do, where NDEBUG is not defined.
 template <class H, class P>
 void check_fingerprint(const char* who, const H& h, std::span<const P> primitives) {
-    if (h.is_from_file() && fingerprint_of(primitives) != h.fingerprint()) {
-        detail::fail<std::invalid_argument>(std::string(who) + " was built from other primitives, or in another order");
+#ifdef NDEBUG
+    if (!h.is_from_file()) return;
+#endif
+    if (fingerprint_of(primitives) != h.fingerprint()) {
+        detail::fail<std::invalid_argument>(std::string(who) +
+                                            " was built from other primitives, or in another order, or before they "
+                                            "were moved");
     }
 }
 
@@ -66,57 +74,101 @@ void check_fingerprint(const char* who, const H& h, std::span<const P> primitive
 template <class R>
 class SourceTable {
   public:
-    explicit SourceTable(R& renderer) : renderer_(renderer) {}
+    explicit SourceTable(R& renderer) : renderer_(renderer) {
+        if constexpr (R::facts.tells_lifetime) renderer_lifetime_ = renderer.lifetime();
+    }
     ~SourceTable() {
         if constexpr (R::facts.keeps_sources) {
-            for (const SourceState& s : sources_) renderer_.release(s.id);
+            if (!has_renderer()) return;
+            for (const auto& [key, state] : sources_) {
+                if (state.is_uploaded) renderer_.release(state.id);
+            }
         }
     }
     SourceTable(const SourceTable&) = delete;
     SourceTable& operator=(const SourceTable&) = delete;
 
     /// A hierarchy, and those of all instances in it. Throws std::invalid_argument if primitives are not those that a
-    /// hierarchy was built from, or do not come in the order that the renderer needs.
+    /// hierarchy was built from, or do not come in the order that the renderer needs. Takes time in proportion to the
+    /// number of instances, however many hierarchies they hold.
     template <class H, class P>
     void add_all(const H& h, std::span<const P> primitives) {
-        add(h, primitives);
-        std::sort(sources_.begin(), sources_.end(), before);
+        constexpr const char* who = "farfield::Viewer: the hierarchy";
+        check_source(who, h, primitives, R::facts.needs_ordering == OrderGuarantee::primitives);
+        if (has(h, primitives)) return;
+        for_instances(primitives, [](const auto& instance, std::size_t i) {
+            if (instance.hierarchy != nullptr) return;
+            detail::fail<std::invalid_argument>("farfield::Viewer: primitive " + std::to_string(i) +
+                                                " is an instance without a hierarchy");
+        });
+        check_fingerprint(who, h, primitives);
+        // References into an unordered_map stay valid while more are added.
+        SourceState& state = sources_[Key{&h, primitives.data()}];
+        if constexpr (H::assignment == Assignment::shared) state.stamps.assign(primitives.size(), 0);
+        if constexpr (R::facts.keeps_sources) {
+            state.id = renderer_.upload(source_of(h, primitives, 0));
+            state.is_uploaded = true;
+        }
+        for_instances(primitives,
+                      [&](const auto& instance, std::size_t) { add_all(*instance.hierarchy, instance.primitives); });
     }
 
-    /// One that was added.
+    template <class H, class P>
+    bool has(const H& h, std::span<const P> primitives) const {
+        return sources_.contains(Key{&h, primitives.data()});
+    }
+
+    /// One that was added. Throws std::invalid_argument if there is none: instances were changed since.
     template <class H, class P>
     SourceState& find(const H& h, std::span<const P> primitives) {
-        return *std::lower_bound(sources_.begin(), sources_.end(), SourceState{&h, primitives.data()}, before);
+        const auto found = sources_.find(Key{&h, primitives.data()});
+        if (found == sources_.end()) {
+            detail::fail<std::invalid_argument>(
+                "farfield::Viewer: an instance holds a hierarchy, or primitives, that it did not when the viewer was "
+                "made");
+        }
+        return found->second;
+    }
+
+    /// Throws std::logic_error, whose text begins with `who`, if the renderer is known to be gone.
+    void check_renderer(const char* who) const {
+        if (!has_renderer()) {
+            detail::fail<std::logic_error>(std::string(who) +
+                                           ": its renderer is gone; declare the renderer before the viewer");
+        }
     }
 
   private:
-    static bool before(const SourceState& a, const SourceState& b) {
-        const std::less<const void*> less;
-        return a.hierarchy != b.hierarchy ? less(a.hierarchy, b.hierarchy) : less(a.primitives, b.primitives);
-    }
-
-    template <class H, class P>
-    void add(const H& h, std::span<const P> primitives) {
-        constexpr const char* who = "farfield::Viewer: the hierarchy";
-        check_source(who, h, primitives, R::facts.needs_ordering == OrderGuarantee::primitives);
-        for (const SourceState& s : sources_) {
-            if (s.hierarchy == &h && s.primitives == primitives.data()) return;
+    struct Key {
+        const void* hierarchy;
+        const void* primitives;
+        friend bool operator==(const Key&, const Key&) = default;
+    };
+    struct HashOfKey {
+        std::size_t operator()(const Key& key) const {
+            return std::size_t(
+                mixed(std::uint64_t(std::uintptr_t(key.hierarchy)), std::uint64_t(std::uintptr_t(key.primitives))));
         }
-        check_fingerprint(who, h, primitives);
-        SourceState state{&h, primitives.data()};
-        if constexpr (R::facts.keeps_sources) state.id = renderer_.upload(source_of(h, primitives, 0));
-        if constexpr (H::assignment == Assignment::shared) state.stamps.assign(primitives.size(), 0);
-        sources_.push_back(std::move(state));
+    };
+
+    /// Calls f(instance, number of the primitive).
+    template <class P, class F>
+    static void for_instances([[maybe_unused]] std::span<const P> primitives, [[maybe_unused]] F&& f) {
         if constexpr (PrimitiveWithInstance<P>) {
-            for (const P& p : primitives) {
-                primitive_traits<P>::visit_instance(
-                    p, [&](const auto& instance) { add(*instance.hierarchy, instance.primitives); });
+            for (std::size_t i = 0; i < primitives.size(); ++i) {
+                primitive_traits<P>::visit_instance(primitives[i], [&](const auto& instance) { f(instance, i); });
             }
         }
     }
 
+    bool has_renderer() const {
+        if constexpr (R::facts.tells_lifetime) return !renderer_lifetime_.expired();
+        return true;
+    }
+
     R& renderer_;
-    std::vector<SourceState> sources_;  ///< sorted once all are added
+    std::weak_ptr<const void> renderer_lifetime_;
+    std::unordered_map<Key, SourceState, HashOfKey> sources_;
 };
 
 }  // namespace farfield::detail

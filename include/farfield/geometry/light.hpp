@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/rgba8.hpp"
 
 namespace farfield {
@@ -20,8 +21,14 @@ struct DirectionalLight {
     /// `facing_viewer` is the polygon's normal turned to the side that is seen, any length; brightness in [0, 1] for
     /// ambient + diffuse <= 1. A polygon without a normal gets the ambient part.
     float brightness(glm::vec3 facing_viewer) const {
-        const float lengths = std::sqrt(glm::dot(facing_viewer, facing_viewer) * glm::dot(towards, towards));
-        const float cosine = lengths > 0 ? glm::dot(facing_viewer, towards) / lengths : 0.0f;
+        float squares = glm::dot(facing_viewer, facing_viewer) * glm::dot(towards, towards);
+        glm::vec3 normal = facing_viewer, light = towards;
+        if (!detail::squares_are_exact(squares)) {
+            normal = scaled_to_one(normal);
+            light = scaled_to_one(light);
+            squares = glm::dot(normal, normal) * glm::dot(light, light);
+        }
+        const float cosine = squares > 0 ? glm::dot(normal, light) / std::sqrt(squares) : 0.0f;
         return ambient + diffuse * (cosine > 0 ? cosine : 0.0f);
     }
 };

@@ -1,18 +1,15 @@
-// Telling spans of primitives, and paths of instances, apart by a hash.
+// Telling spans of primitives apart by a hash.
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "farfield/geometry/mixed.hpp"
 #include "farfield/primitive.hpp"
 
 namespace farfield::detail {
-
-inline std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
-    hash = (hash ^ value) * 0x9e3779b97f4a7c15u;  // splitmix64's increment and half of its finalizer
-    return hash ^ hash >> 29;
-}
 
 template <SomeBox B>
 std::uint64_t mixed(std::uint64_t hash, const B& b) {
@@ -25,10 +22,13 @@ std::uint64_t mixed(std::uint64_t hash, const B& b) {
                            word(float(b.lower.z), float(b.upper.z)));
 }
 
+/// In an order of indices, or as they lie if that is empty.
 template <Primitive P>
-std::uint64_t fingerprint_of(std::span<const P> primitives) {
+std::uint64_t fingerprint_of(std::span<const P> primitives, std::span<const std::uint32_t> order = {}) {
     std::uint64_t hash = mixed(0, primitives.size());
-    for (const P& p : primitives) hash = mixed(hash, primitive_traits<P>::bounds(p));
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+        hash = mixed(hash, primitive_traits<P>::bounds(primitives[order.empty() ? i : order[i]]));
+    }
     return hash;
 }
 

@@ -15,7 +15,7 @@
 
 namespace farfield::detail {
 
-/// Bodies meet in the camera's coordinates, by the numbers that a renderer projects with: the eye and axes of each body
+/// Bodies meet in the camera's coordinates, by the numbers that a renderer projects with: the anchor and axes of each body
 /// are rounded to single precision separately, and planes must lie where the picture shows them.
 class BodyFrame {
   public:
@@ -31,10 +31,11 @@ class BodyFrame {
         const glm::dvec3 in_camera = plane.normal() * other.from_camera_;
         const glm::dvec3 normal = in_camera * to_camera_;
         const double length = glm::length(normal);
-        const double from_eye = -plane.height(other.view_.eye);
-        const glm::dvec3 to_center = glm::dvec3(cell.center) - glm::dvec3(view_.eye);
+        const double from_anchor = -plane.height(other.view_.anchor);
+        const glm::dvec3 to_center = glm::dvec3(cell.center) - glm::dvec3(view_.anchor);
         return LocalPlane(
-            CuttingPlane{glm::vec3(normal / length), float((from_eye - glm::dot(normal, to_center)) / length)}, cell);
+            CuttingPlane{glm::vec3(normal / length), float((from_anchor - glm::dot(normal, to_center)) / length)},
+            cell);
     }
 
   private:

@@ -40,13 +40,19 @@ class BodyWalker {
     const BodyFrame& frame(std::uint32_t body) const { return frames_[body]; }
     std::span<const BodyFrame> frames() const { return frames_; }
 
+    /// Forgets what waits: an exception may have ended the last frame.
     void begin_frame() {
         queue_.begin_frame();
+        pieces_.clear();
+        clips.shrink(0);
         frames_.clear();
         active_body_ = none;
     }
     /// Adds the view of the next body; called for each, in order.
-    void add_view(const LocalView& view) { frames_.emplace_back(view); }
+    void add_view(LocalView view) {
+        view.seed = std::uint32_t(path_of(std::uint32_t(frames_.size())) >> 32);
+        frames_.emplace_back(view);
+    }
     void end_frame() { flush(); }
 
     BodyPart whole(std::uint32_t body) const {
@@ -87,8 +93,7 @@ class BodyWalker {
             if (part.end_item - node.first_item >= min_items_for_occlusion_query) {
                 turn_to(part.body);
                 flush();
-                const std::uint64_t path = part.body == 0 ? 0 : mixed(0, part.body);
-                if (renderer_.hidden(cell, CellId{path, part.node})) {
+                if (renderer_.hidden(cell, CellId{path_of(part.body), part.node})) {
                     ++stats_.cells_hidden;
                     return false;
                 }
@@ -117,6 +122,9 @@ class BodyWalker {
 
   private:
     static constexpr std::uint32_t none = 0xffffffffu;
+
+    /// As CellId's; the first body, which the others are seen from, has that of an outermost hierarchy.
+    static std::uint64_t path_of(std::uint32_t body) { return body == 0 ? 0 : mixed(0, body); }
 
     struct Body {
         const H* hierarchy;

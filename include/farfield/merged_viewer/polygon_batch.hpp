@@ -17,6 +17,12 @@ class PolygonBatch {
     bool empty() const { return ends_.empty(); }
     bool is_full() const { return ends_.size() >= 256; }
 
+    void clear() {
+        vertices_.clear();
+        colors_.clear();
+        ends_.clear();
+    }
+
     void add(std::span<const Corner> corners) {
         for (const Corner& c : corners) {
             vertices_.push_back(c.position);
@@ -37,9 +43,7 @@ class PolygonBatch {
             begin = end;
         }
         renderer.draw(std::span<const Polygon>(polygons_));
-        vertices_.clear();
-        colors_.clear();
-        ends_.clear();
+        clear();
     }
 
   private:

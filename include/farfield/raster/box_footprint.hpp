@@ -24,7 +24,7 @@ struct BoxFootprint {
     BoxFootprint(glm::vec3 center, glm::vec3 half, const SampleProjection& projection) {
         constexpr float some_roundings = 0x1p-20f;
         half += (glm::abs(center) + half) * some_roundings;
-        const glm::vec3 reach = glm::abs(center - projection.eye) + half;
+        const glm::vec3 reach = glm::abs(center - projection.anchor) + half;
         const float error = (reach.x + reach.y + reach.z) * some_roundings;  // of a depth
         const glm::vec3 p = projection.project(center);
         const glm::vec3 x = projection.right * half, y = projection.down * half, z = projection.forward * half;
@@ -35,7 +35,7 @@ struct BoxFootprint {
             float px[8], py[8];
             for (int corner = 0; corner < 8; ++corner) {
                 const float a = corner & 1 ? 1.0f : -1.0f, b = corner & 2 ? 1.0f : -1.0f, c = corner & 4 ? 1.0f : -1.0f;
-                const float inverse = 1.0f / std::max(p.z + a * z.x + b * z.y + c * z.z, nearest);
+                const float inverse = projection.inverse_w(std::max(p.z + a * z.x + b * z.y + c * z.z, nearest));
                 px[corner] = (p.x + a * x.x + b * x.y + c * x.z) * inverse;
                 py[corner] = (p.y + a * y.x + b * y.y + c * y.z) * inverse;
             }
@@ -56,7 +56,7 @@ struct BoxFootprint {
             high_y = p.y + half_y;
         }
         // One sample covers snapping and the distance to its center; the rest is the error of projection.
-        const float relative = projection.is_perspective ? error / nearest : error;
+        const float relative = error / projection.w(nearest);
         const glm::vec2 focal = projection.focal * 256.0f;
         const float slack_x = 256 + relative * (focal.x + std::max(std::abs(low_x), std::abs(high_x)));
         const float slack_y = 256 + relative * (focal.y + std::max(std::abs(low_y), std::abs(high_y)));

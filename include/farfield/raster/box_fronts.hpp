@@ -35,10 +35,16 @@ struct BoxFronts {
     ///
     /// A point at depth d that is seen at (X, Y), samples from where the view's axis meets the screen, is eye + d
     /// forward + w (X right + Y down) / focal, where w is d in perspective and 1 in orthographic views. Once its
-    /// coordinate on one axis is given, q is linear in X and Y.
+    /// coordinate on one axis is given, q is linear in X and Y. The anchor stands for the eye where depths are counted
+    /// from it.
     BoxFronts(glm::vec3 center, glm::vec3 half, const SampleProjection& projection,
               std::array<glm::vec2, 2> low_and_high, float nearest, float rounding_q)
         : nearest_q(nearest) {
+        // From afar the fronts of a box differ by little more than rounding.
+        if (!projection.is_at_eye) {
+            *this = BoxFronts(nearest_q);
+            return;
+        }
         // How far contents may be drawn from where they are, in samples: see CoverageRenderer::hidden.
         constexpr float snapping = 8.0f / 256;
         const float to_x = projection.offset_x * (1.0f / 256), to_y = projection.offset_y * (1.0f / 256);
@@ -51,8 +57,8 @@ struct BoxFronts {
         const glm::vec2 by_sample = 1.0f / (projection.focal * projection.focal * 256.0f);
         for (int axis = 0; axis < 3; ++axis) {
             const float a = projection.right[axis] * by_sample.x, b = projection.down[axis] * by_sample.y;
-            const float to_lower = center[axis] - half[axis] - projection.eye[axis],
-                        to_upper = center[axis] + half[axis] - projection.eye[axis];
+            const float to_lower = center[axis] - half[axis] - projection.anchor[axis],
+                        to_upper = center[axis] + half[axis] - projection.anchor[axis];
             float plane, by_plane, q;
             if (projection.is_perspective) {
                 plane = to_lower > 0 ? to_lower : to_upper < 0 ? to_upper : 0.0f;  // 0: no front
@@ -65,7 +71,7 @@ struct BoxFronts {
             }
             const float by_x = by_plane * a, by_y = by_plane * b;
             const float most = std::abs(q) + std::abs(by_x) * reach_x + std::abs(by_y) * reach_y;
-            const float sums = std::abs(center[axis]) + half[axis] + std::abs(projection.eye[axis]);
+            const float sums = std::abs(center[axis]) + half[axis] + std::abs(projection.anchor[axis]);
             const float rounding = most * (sums * 0x1p-22f / std::abs(plane) + 0x1p-18f) + rounding_q;
             const float at_first = q + rounding + (std::abs(by_x) + std::abs(by_y)) * snapping + by_x * (0.5f - to_x) +
                                    by_y * (0.5f - to_y);

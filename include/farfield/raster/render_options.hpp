@@ -18,6 +18,10 @@ struct ZBufferOptions {
     /// Triangles smaller than two samples cover a part of each sample, by their cell's area law, instead of all or
     /// nothing. This holds for ranges with a law only; an exact picture is always point sampled.
     bool deposits_small_triangles = true;
+    /// Whether the renderer keeps its own copy of what it draws: 40 bytes a triangle, 48 where colors differ within
+    /// one. Otherwise it reads the primitives anew in each frame, from the user's array, which must then stay as it is
+    /// while viewers last. Both give the same picture.
+    bool copies_sources = true;
 };
 
 }  // namespace farfield

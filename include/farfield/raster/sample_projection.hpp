@@ -3,46 +3,62 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <stdexcept>
 
+#include "farfield/fail.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield::detail {
 
+/// The weight of a corner's color where colors are interpolated over the screen: 1 / depth in perspective, or 1.
+struct ColorWeight {
+    float by_q = 1, at_zero = 0;
+
+    float operator()(float q) const { return q * by_q + at_zero; }
+};
+
 /// Sample (i, j), rows downwards, has its center at (i + 1/2, j + 1/2). Coordinates are relative to the sample nearest
 /// to where the view's axis meets the picture's plane, its center in most pictures, and in 1/256 sample, to which
-/// snapping rounds. So tiles of one picture have the same coordinates and get the same samples; where an image would
-/// leave the guard band, the sample is another one.
+/// snapping rounds. So tiles of one picture have the same coordinates and get the same samples.
 ///
-/// Depth is kept as q, which is linear over the screen and larger when nearer: 1 / depth in perspective views and
-/// -depth in orthographic ones. It is the depth in the world, so that instances of any scale compare.
+/// Depths are counted from the view's anchor. They are kept as q, which is linear over the screen and larger when
+/// nearer: 1 / depth in perspective views and -depth in orthographic ones, in the view's depth_unit. It is the depth in
+/// the world, so that instances of any scale compare. Where the eye is far from its anchor, 1 / depth could not tell
+/// things apart, and q is the difference to that of the anchor: in the square of the anchor's inverse depth, as
+/// numbers then stay near 1.
 struct SampleProjection {
     /// Polygons are clipped farther than this many samples from the center. Coordinates in 1/256 sample then fit 22
     /// bits and a sign, where adding a constant rounds single precision to integers.
     static constexpr float guard_band = 16000.0f;
 
-    glm::vec3 eye{0};
-    glm::vec3 right{1, 0, 0};  ///< scaled: dot(right, p - eye) is 1/256 samples times depth, or 1/256 samples
+    glm::vec3 anchor{0};
+    glm::vec3 right{1, 0, 0};  ///< scaled: dot(right, p - anchor) is 1/256 samples times w
     glm::vec3 down{0, -1, 0};
     glm::vec3 forward{0, 0, -1};
     float offset_x = 0, offset_y = 0;
-    /// x and y are multiplied by 1 / (depth * depth_weight + depth_bias).
+    /// x and y are divided by w = depth * depth_weight + depth_bias.
     float depth_weight = 1, depth_bias = 0;
-    /// q is that factor * q_of_inverse + depth * q_of_depth.
+    /// q is (q_of_inverse + depth * q_of_depth) / w.
     float q_of_inverse = 1, q_of_depth = 0;
-    float near_depth = 0, far_depth = std::numeric_limits<float>::infinity();
+    float near_depth = 0;  ///< from the anchor
+    float far_depth = std::numeric_limits<float>::infinity();
     glm::vec2 focal{1};  ///< in samples
     bool is_perspective = true;
     bool is_mirrored = false;  ///< what is counter-clockwise from its front is clockwise on the screen
+    bool is_at_eye = true;     ///< whether depths are counted from the eye
+    ColorWeight color_weight;
+    std::uint32_t seed = 0;                              ///< LocalView's
     int first_x = 0, first_y = 0, end_x = 0, end_y = 0;  ///< the image, relative to the center sample
 
     SampleProjection() = default;
     SampleProjection(const LocalView& view, int samples_a_side) {
         const int width = view.width * samples_a_side, height = view.height * samples_a_side;
-        eye = view.eye;
+        anchor = view.anchor;
         focal = view.focal_px * float(samples_a_side) * view.squeeze;
         right = view.right * (focal.x * 256);
         down = -view.up * (focal.y * 256);
@@ -52,31 +68,53 @@ struct SampleProjection {
         end_x = first_x + width;
         end_y = first_y + height;
         is_perspective = view.is_perspective;
+        is_at_eye = view.anchor_depth == 0;
+        seed = view.seed;
         depth_weight = is_perspective ? 1.0f : 0.0f;
-        depth_bias = 1.0f - depth_weight;
-        q_of_inverse = is_perspective ? 1.0f / view.scale : 0.0f;
-        q_of_depth = is_perspective ? 0.0f : -view.scale;
-        near_depth = view.near_depth;
-        far_depth = view.far_depth;
         is_mirrored = view.is_mirrored;
+        depth_bias = is_perspective ? view.anchor_depth : 1.0f;
+        near_depth = view.near_depth - view.anchor_depth;
+        far_depth = view.far_depth - view.anchor_depth;
+        const float world_units = view.scale / view.depth_unit;
+        if (!is_perspective) {
+            q_of_inverse = 0;
+            q_of_depth = -world_units;
+            color_weight = {0, 1};
+        } else if (is_at_eye) {
+            q_of_inverse = 1 / world_units;
+            q_of_depth = 0;
+        } else {
+            // Depth d is seen from the eye at a + d, and 1 / (a + d) - 1 / a = -d / (a + d) / a.
+            q_of_inverse = 0;
+            q_of_depth = -view.anchor_depth * world_units;
+            color_weight = {1 / (view.anchor_depth * world_units), 1};
+            // Clipping divides by w.
+            near_depth = std::max(near_depth, -view.anchor_depth * (1 - 0x1p-20f));
+        }
     }
 
     /// The coordinates before division: (x, y) in 1/256 samples times w, and depth.
     glm::vec3 project(glm::vec3 p) const {
-        const glm::vec3 d = p - eye;
+        const glm::vec3 d = p - anchor;
         return {glm::dot(right, d), glm::dot(down, d), glm::dot(forward, d)};
     }
-    float inverse_w(float depth) const { return 1.0f / (depth * depth_weight + depth_bias); }
-    float q(float depth, float inverse) const { return inverse * q_of_inverse + depth * q_of_depth; }
+    float w(float depth) const { return depth * depth_weight + depth_bias; }
+    float inverse_w(float depth) const { return 1.0f / w(depth); }
+    float q(float depth, float inverse) const { return inverse * (q_of_inverse + depth * q_of_depth); }
 
   private:
-    /// `shift` says how many samples beyond the axis an image's center lies.
+    /// `shift` says how many samples beyond the axis an image's center lies. Where images would leave the guard band,
+    /// std::invalid_argument is thrown.
     static void place(int samples, double shift, int& first, float& offset) {
         first = -(samples / 2);
         offset = 128.0f * float(samples) + 256.0f * float(first);
         if (shift == 0) return;
-        const double most = double(guard_band) - 1;
-        const double steps = std::round(std::min(std::max(shift, -most - first), most - first - samples));
+        const double most = double(guard_band) - 1, steps = std::round(shift);
+        if (!(first + steps >= -most && first + steps + samples <= most)) {
+            detail::fail<std::invalid_argument>(
+                "farfield::Camera: off_center puts the picture more than 16000 samples beside the view's axis; take "
+                "fewer samples, or turn the camera");
+        }
         first += int(steps);
         offset += float(256 * (steps - shift));
     }

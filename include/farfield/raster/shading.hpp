@@ -7,6 +7,7 @@
 #include <glm/vec4.hpp>
 
 #include "farfield/geometry/rgba8.hpp"
+#include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 
 namespace farfield::detail {
@@ -33,12 +34,12 @@ inline bool covered_by_hash(int x, int y, std::uint32_t triangle_hash, std::uint
 /// Colors given at the corners, interpolated with perspective.
 struct ColorPlane {
     const SnappedTriangle& t;
-    float weights[3];  ///< q at the corners, or 1
+    float weights[3];  ///< at the corners
     float inverse_area;
 
-    ColorPlane(const SnappedTriangle& triangle, std::int64_t doubled_area, bool perspective)
+    ColorPlane(const SnappedTriangle& triangle, std::int64_t doubled_area, ColorWeight weight)
         : t(triangle), inverse_area(1.0f / float(doubled_area)) {
-        for (int i = 0; i < 3; ++i) weights[i] = perspective ? t.q[i] : 1.0f;
+        for (int i = 0; i < 3; ++i) weights[i] = weight(t.q[i]);
     }
     Rgba8 at(int x, int y, const Rgba8 (&colors)[3]) const {
         const float px = float(x) * 256 + 128, py = float(y) * 256 + 128;

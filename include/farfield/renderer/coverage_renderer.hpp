@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -53,6 +54,7 @@ class BasicCoverageRenderer {
         .order = VisitOrder::front_to_back,
         .needs_ordering = is_lazy ? OrderGuarantee::none : OrderGuarantee::primitives,
         .keeps_sources = true,
+        .tells_lifetime = true,
         .draws_faces = is_lazy,
         .draws_splats = is_lazy,
         .draws_polygons = true,
@@ -73,6 +75,9 @@ class BasicCoverageRenderer {
         return streams_.upload(source);
     }
     void release(std::uint32_t id) { streams_.release(id); }
+    /// The memory of all that is uploaded: once, however many viewers draw it.
+    std::size_t uploaded_bytes() const { return streams_.bytes(); }
+    std::weak_ptr<const void> lifetime() const { return streams_.lifetime(); }
 
     /// Throws std::invalid_argument for images of no samples or more than 31,000 on a side.
     void begin_frame(const LocalView& view) {

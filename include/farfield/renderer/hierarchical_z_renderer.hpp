@@ -4,7 +4,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "farfield/image.hpp"
@@ -64,6 +66,7 @@ class HierarchicalZRenderer {
   public:
     static constexpr RendererFacts facts{.order = VisitOrder::front_to_back,
                                          .keeps_sources = true,
+                                         .tells_lifetime = true,
                                          .draws_faces = true,
                                          .draws_splats = true,
                                          .answers_hidden = true,
@@ -77,9 +80,12 @@ class HierarchicalZRenderer {
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {
-        return canvas_.streams().upload(source);
+        return canvas_.upload(source);
     }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
+    /// The memory of all that is uploaded: once, however many viewers draw it.
+    std::size_t uploaded_bytes() const { return canvas_.streams().bytes(); }
+    std::weak_ptr<const void> lifetime() const { return canvas_.streams().lifetime(); }
 
     /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -85,8 +87,10 @@ class OverwritingFill {
 /// all later ones wherever they overlap. It keeps no depth, and nothing is hidden.
 class PainterRenderer {
   public:
-    static constexpr RendererFacts facts{
-        .order = VisitOrder::back_to_front, .needs_ordering = OrderGuarantee::primitives, .keeps_sources = true};
+    static constexpr RendererFacts facts{.order = VisitOrder::back_to_front,
+                                         .needs_ordering = OrderGuarantee::primitives,
+                                         .keeps_sources = true,
+                                         .tells_lifetime = true};
 
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
     explicit PainterRenderer(const PainterOptions& options = {})
@@ -103,6 +107,9 @@ class PainterRenderer {
         return streams_.upload(source);
     }
     void release(std::uint32_t id) { streams_.release(id); }
+    /// The memory of all that is uploaded: once, however many viewers draw it.
+    std::size_t uploaded_bytes() const { return streams_.bytes(); }
+    std::weak_ptr<const void> lifetime() const { return streams_.lifetime(); }
 
     /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {

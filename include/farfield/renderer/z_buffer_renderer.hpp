@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 
+#include "farfield/geometry/length.hpp"
 #include "farfield/image.hpp"
 #include "farfield/raster/render_options.hpp"
 #include "farfield/raster/sample_projection.hpp"
@@ -30,6 +32,7 @@ namespace farfield {
 class ZBufferRenderer {
   public:
     static constexpr RendererFacts facts{.keeps_sources = true,
+                                         .tells_lifetime = true,
                                          .draws_faces = true,
                                          .draws_splats = true,
                                          .answers_hidden = true,
@@ -42,9 +45,12 @@ class ZBufferRenderer {
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {
-        return canvas_.streams().upload(source);
+        return canvas_.upload(source);
     }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
+    /// The memory of all that is uploaded: once, however many viewers draw it.
+    std::size_t uploaded_bytes() const { return canvas_.streams().bytes(); }
+    std::weak_ptr<const void> lifetime() const { return canvas_.streams().lifetime(); }
 
     /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) { canvas_.begin_frame(view); }
@@ -71,9 +77,9 @@ class ZBufferRenderer {
         if (!buffers.has_far()) return false;
         const detail::SampleProjection& projection = canvas_.projection();
         const glm::vec3 p = projection.project(cell.bounds_center);
-        const float radius = std::sqrt(glm::dot(cell.bounds_half, cell.bounds_half));
+        const float radius = length_of(cell.bounds_half);
         // A point of the sphere is projected at most radius (focal + |x|) / (depth - radius) away from its center.
-        const float nearest = projection.is_perspective ? p.z - radius : 1.0f;
+        const float nearest = projection.is_perspective ? projection.w(p.z) - radius : 1.0f;
         if (!(nearest > 0)) return false;
         const float inverse = projection.inverse_w(p.z) * (1.0f / 256), x = p.x * inverse, y = p.y * inverse;
         const float skew = projection.is_perspective ? 1.0f : 0.0f, reach = radius / nearest;
@@ -81,11 +87,11 @@ class ZBufferRenderer {
                     ry = reach * (projection.focal.y + skew * std::abs(y));
         if (!(rx < 64 && ry < 64)) return false;  // large ones are seldom hidden and their children are asked again
         const float cx = x + projection.offset_x * (1.0f / 256), cy = y + projection.offset_y * (1.0f / 256);
+        constexpr float guard = detail::SampleProjection::guard_band;
+        if (!(std::abs(cx) < guard && std::abs(cy) < guard)) return false;
         // Nothing is nearer than this q, roundings included; vertices are snapped, hence one more sample around.
-        const float front = projection.is_perspective ? nearest : p.z - radius;
-        const float rounding = (std::abs(p.z) + radius) * 0x1p-16f;
-        const float q =
-            projection.q(front - rounding, projection.inverse_w(std::max(front - rounding, 0.5f * nearest)));
+        const float rounding = (std::abs(p.z) + radius) * 0x1p-16f, front = p.z - radius - rounding;
+        const float q = projection.q(front, 1 / std::max(projection.w(front), 0.5f * nearest));
         return buffers.all_settled(int(std::floor(cx - rx)) - 1, int(std::floor(cy - ry)) - 1,
                                    int(std::floor(cx + rx)) + 1, int(std::floor(cy + ry)) + 1, q);
     }

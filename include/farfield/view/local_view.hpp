@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -13,7 +14,9 @@
 #include <glm/vec4.hpp>
 #include <limits>
 
+#include "farfield/geometry/box.hpp"
 #include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/similarity.hpp"
 #include "farfield/view.hpp"
 #include "farfield/view/frustum.hpp"
@@ -41,12 +44,27 @@ struct LocalView {
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
+    /// Coordinates are projected relative to this point of the ray through the middle of the picture, at
+    /// `anchor_depth`. It is the eye with depth 0, unless the eye is so far that subtracting it would leave nothing of
+    /// the coordinates.
+    glm::vec3 anchor{0};
+    float anchor_depth = 0;
+    /// A power of two, in world units: renderers measure depths in it, because their inverses have to be numbers too.
+    float depth_unit = 1;
+    /// Goes into whatever is decided by a hash of coordinates, because instances have the same: a hash of the path of
+    /// instances that leads here, 0 for the outermost hierarchy.
+    std::uint32_t seed = 0;
     /// Left, right, bottom, top, near, far, with unit normals; a point is inside where dot(xyz, p) + w >= 0.
     std::array<glm::vec4, plane_count> planes{};
 
-    /// `origin` and `diagonal` are the hierarchy's: its coordinates are the user's minus origin. Throws
+    /// The hierarchy's coordinates are the user's minus `origin`; `bounds` are in its coordinates. Throws
     /// std::invalid_argument as View::check does.
-    LocalView(const View& view, glm::dvec3 origin, float diagonal)
+    LocalView(const View& view, glm::dvec3 origin, const Box& bounds)
+        : LocalView(view, origin,
+                    bounds.is_empty() ? 1.0f : glm::min(length_of(bounds.size()), std::numeric_limits<float>::max()),
+                    bounds.is_empty() ? glm::vec3(0) : bounds.center()) {}
+    /// The same for a hierarchy whose bounds have this diagonal around this center.
+    LocalView(const View& view, glm::dvec3 origin, float diagonal, glm::vec3 center = glm::vec3(0))
         : eye(view.camera.eye - origin),
           right(view.camera.right),
           up(view.camera.up),
@@ -60,7 +78,9 @@ struct LocalView {
           tolerance_px(view.tolerance_px),
           distance(view.distance),
           width(view.width),
-          height(view.height) {
+          height(view.height),
+          anchor(eye),
+          depth_unit(std::ldexp(1.0f, glm::clamp(exponent_of(diagonal), -100, 100))) {
         view.check();
         if (view.camera.half_width > 0) {
             const glm::vec2 focal(float(view.width) / (2 * view.camera.half_width), focal_px);
@@ -68,9 +88,13 @@ struct LocalView {
             squeeze = focal / focal_px;
         }
         if (near_depth == 0) {
-            near_depth = is_perspective ? glm::max(diagonal * 0x1p-16f, std::numeric_limits<float>::min())
-                                        : -std::numeric_limits<float>::infinity();
+            near_depth = is_perspective ? diagonal * 0x1p-40f : -std::numeric_limits<float>::infinity();
         }
+        // Inverse depths times the length of an edge on the screen have to be numbers.
+        if (is_perspective) {
+            near_depth = glm::max(near_depth, glm::max(diagonal * 0x1p-64f, std::numeric_limits<float>::min()));
+        }
+        move_anchor(view.camera.eye - origin, diagonal, center);
         set_planes();
     }
 
@@ -78,8 +102,13 @@ struct LocalView {
     LocalView inside(const Similarity& placed, glm::dvec3 outer_origin, glm::dvec3 inner_origin) const {
         LocalView v = *this;
         const glm::mat3 to_local = glm::transpose(placed.rotation());
-        const glm::dvec3 from_placement = glm::dvec3(eye) + outer_origin - placed.translation;
-        v.eye = glm::vec3(glm::dmat3(to_local) * from_placement / double(placed.scale()) - inner_origin);
+        const auto moved = [&](glm::vec3 p) {
+            const glm::dvec3 from_placement = glm::dvec3(p) + outer_origin - placed.translation;
+            return glm::vec3(glm::dmat3(to_local) * from_placement / double(placed.scale()) - inner_origin);
+        };
+        v.eye = moved(eye);
+        v.anchor = moved(anchor);
+        v.anchor_depth = anchor_depth / placed.scale();
         v.right = to_local * right;
         v.up = to_local * up;
         v.forward = to_local * forward;
@@ -98,8 +127,7 @@ struct LocalView {
         if (distance == DistanceMeasure::depth) {
             return glm::max(0.0f, depth(cell.center) - glm::dot(glm::abs(forward), cell.half));
         }
-        const glm::vec3 outside = glm::max(glm::abs(cell.center - eye) - cell.half, glm::vec3(0));
-        return std::sqrt(glm::dot(outside, outside));
+        return length_of(glm::max(glm::abs(cell.center - eye) - cell.half, glm::vec3(0)));
     }
 
     /// Pixels that a length takes when seen squarely at `at_distance`; infinity at distance 0 of a perspective view.
@@ -117,13 +145,49 @@ struct LocalView {
     float stretch(glm::vec3 p) const {
         const glm::vec3 d = p - eye;
         const float depth = glm::dot(d, forward);
-        return is_perspective && depth > 0 ? std::sqrt(glm::dot(d, d)) / depth : 1.0f;
+        return is_perspective && depth > 0 ? length_of(d) / depth : 1.0f;
+    }
+
+    /// The order in which points come front to back: the smaller the nearer.
+    float order_of(glm::vec3 p) const {
+        return is_perspective && anchor_depth == 0 ? length_of(p - eye) : glm::dot(p - anchor, forward);
     }
 
     /// Direction from a point towards the viewer, not normalized.
     glm::vec3 towards_viewer(glm::vec3 p) const { return is_perspective ? eye - p : -forward; }
 
   private:
+    /// What is projected are differences to the eye. In single precision a difference to an eye a thousand times as far
+    /// as the scene is large has lost ten bits, and two sheets near each other come to lie in one plane. A parallel
+    /// view does not change if its eye slides along the axis, so it slides next to the scene. An eye of a perspective
+    /// view stays, but depths are counted from a point of the axis next to the scene.
+    ///
+    /// Not where it would gain less than four bits: differences of an eye nearby are rounded as they always were.
+    void move_anchor(glm::dvec3 exact_eye, float diagonal, glm::vec3 center) {
+        // The axis along which nothing moves sideways on the screen; axes in single precision are not quite square.
+        glm::dvec3 axis = glm::cross(glm::dvec3(up), glm::dvec3(right));
+        if (glm::dot(axis, glm::dvec3(forward)) < 0) axis = -axis;
+        axis = direction_of(axis);
+        const double to_center = glm::dot(glm::dvec3(center) - exact_eye, axis), size = double(diagonal);
+        // Things in the view may be much smaller than the scene, and lie where coordinates are finest.
+        const glm::dvec3 next_to = length_of(center) <= diagonal ? glm::dvec3(0) : glm::dvec3(center);
+        const double slid = glm::dot(next_to - exact_eye, axis);
+        const float depth = float(slid * glm::dot(axis, glm::dvec3(forward)));
+        const auto moved = glm::vec3(exact_eye + axis * slid);
+        if (!std::isfinite(slid) || !std::isfinite(depth)) return;
+        if (is_perspective) {
+            if (!(to_center > 16 * size) || !(depth > 0)) return;
+            anchor = moved;
+            anchor_depth = depth;
+        } else {
+            const double seen = double(glm::max(width, height)) / double(focal_px);
+            if (!(std::abs(to_center) > 4 * size || std::abs(to_center) > 64 * seen)) return;
+            eye = anchor = moved;
+            near_depth -= depth;
+            far_depth -= depth;
+        }
+    }
+
     void set_planes() {
         const float half_width = float(width) / (2 * focal_px * squeeze.x);
         const float half_height = float(height) / (2 * focal_px * squeeze.y);
@@ -132,14 +196,14 @@ struct LocalView {
             // Perspective planes pass through the eye and tilt inwards; orthographic ones stand beside it.
             if (!is_perspective) return glm::vec4(-axis, half + glm::dot(axis, eye));
             const glm::vec3 n = glm::normalize(half * forward - axis);
-            return glm::vec4(n, -glm::dot(n, eye));
+            return glm::vec4(n, glm::dot(n, forward) * anchor_depth - glm::dot(n, anchor));
         };
         planes = {side(-right, half_width * (1 - off.x)),
                   side(right, half_width * (1 + off.x)),
                   side(-up, half_height * (1 - off.y)),
                   side(up, half_height * (1 + off.y)),
-                  glm::vec4(forward, -glm::dot(forward, eye) - near_depth),
-                  glm::vec4(-forward, glm::dot(forward, eye) + far_depth)};
+                  glm::vec4(forward, anchor_depth - glm::dot(forward, anchor) - near_depth),
+                  glm::vec4(-forward, glm::dot(forward, anchor) - anchor_depth + far_depth)};
         for (const std::size_t i : {4u, 5u}) {
             if (std::isinf(planes[i].w)) planes[i] = glm::vec4(0, 0, 0, 1);
         }

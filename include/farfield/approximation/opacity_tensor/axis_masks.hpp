@@ -159,7 +159,7 @@ class AxisMasks {
     static std::uint32_t not_negative(Lanes v) {
 #if defined(__SSE2__)
         typedef float Floats __attribute__((vector_size(16)));
-        return std::uint32_t(__builtin_ia32_movmskps((Floats)v)) ^ 15u;
+        return std::uint32_t(__builtin_ia32_movmskps(reinterpret_cast<Floats>(v))) ^ 15u;
 #else
         return std::uint32_t(v[0] >= 0) | std::uint32_t(v[1] >= 0) << 1 | std::uint32_t(v[2] >= 0) << 2 |
                std::uint32_t(v[3] >= 0) << 3;

@@ -43,9 +43,7 @@ class BoxFilter {
     static constexpr bool has_blocks = true;
 
     /// Begins a frame; clears nothing.
-    void begin(int width_px, int height_px) {
-        if (blocks_.resize(width_px, height_px)) sums_.assign(blocks_.count() * 64, 0);
-    }
+    void begin(int width_px, int height_px) { blocks_.resize(width_px, height_px, sums_); }
 
     /// Adds some samples of a pixel, as bits 8 * row + column. `first`: none came before in this frame.
     void add(int x, int y, std::uint64_t samples, Rgba8 premultiplied, bool first) {

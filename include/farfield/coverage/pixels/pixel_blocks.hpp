@@ -12,6 +12,7 @@
 
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
+#include "farfield/raster/made_for.hpp"
 #include "farfield/raster/simd.hpp"
 
 namespace farfield::detail {
@@ -23,17 +24,18 @@ class PixelBlocks {
   public:
     static constexpr int side_px = 8;
 
-    /// Returns whether the size changed; then every block is transparent black.
-    bool resize(int width_px, int height_px) {
-        if (width_px == width_ && height_px == height_) return false;
-        width_ = width_px;
-        height_ = height_px;
-        columns_ = blocks_of(width_px);
-        tags_.assign(columns_ * blocks_of(height_px), 0);
-        return true;
+    /// If the size changed, every block is transparent black, and so are `open_pixels`: the caller's, for open blocks.
+    template <class Pixel>
+    void resize(int width_px, int height_px, std::vector<Pixel>& open_pixels) {
+        made_for_({width_px, height_px}, [&] {
+            width_ = width_px;
+            height_ = height_px;
+            columns_ = blocks_of(width_px);
+            tags_.assign(columns_ * blocks_of(height_px), 0);
+            open_pixels.assign(tags_.size() * 64, 0);
+        });
     }
 
-    std::size_t count() const { return tags_.size(); }
     std::size_t block_of(int x, int y) const { return std::size_t(y >> 3) * columns_ + std::size_t(x >> 3); }
     std::size_t index_of(int x, int y) const { return block_of(x, y) * 64 + std::size_t((y & 7) * 8 + (x & 7)); }
 
@@ -97,6 +99,7 @@ class PixelBlocks {
         }
     }
 
+    MadeFor<BufferSize> made_for_;
     int width_ = 0, height_ = 0;
     std::size_t columns_ = 0;
     std::vector<std::uint64_t> tags_;  ///< the color as it lies in memory, or is_open

@@ -24,9 +24,7 @@ class PointSamples {
     static constexpr bool has_blocks = true;
 
     /// Begins a frame; clears nothing.
-    void begin(int width_px, int height_px) {
-        if (blocks_.resize(width_px, height_px)) pixels_.assign(blocks_.count() * 64, 0);
-    }
+    void begin(int width_px, int height_px) { blocks_.resize(width_px, height_px, pixels_); }
 
     std::size_t block_of(int x, int y) const { return blocks_.block_of(x, y); }
 

@@ -1,11 +1,11 @@
 // Interpolates colors that differ from corner to corner of a polygon, with perspective, at the centers of pixels.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 
 #include "farfield/geometry/rgba8.hpp"
+#include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/simd.hpp"
 
@@ -19,15 +19,14 @@ class ColorGradient {
     /// `corners` belong to colors[0..2]; all four colors bound the results. A triangle without area gives any color in
     /// bounds.
     FARFIELD_INLINE ColorGradient(const SnappedTriangle& corners, const std::array<Rgba8, 4>& colors,
-                                  bool is_perspective) {
+                                  ColorWeight weight_of) {
         const std::int64_t area = corners.doubled_area();
         const float scale = area != 0 ? 256.0f / float(area) : 0.0f;
         const auto x1 = float(corners.x[1] - corners.x[0]), y1 = float(corners.y[1] - corners.y[0]);
         const auto x2 = float(corners.x[2] - corners.x[0]), y2 = float(corners.y[2] - corners.y[0]);
         x_ = float(corners.x[0]) * (1.0f / 256);
         y_ = float(corners.y[0]) * (1.0f / 256);
-        float weight[3] = {1, 1, 1};
-        if (is_perspective) std::copy(corners.q, corners.q + 3, weight);
+        const float weight[3] = {weight_of(corners.q[0]), weight_of(corners.q[1]), weight_of(corners.q[2])};
         const auto make = [&](auto& value, auto& by_x, auto& by_y, auto v0, auto v1, auto v2) {
             const auto d1 = v1 - v0, d2 = v2 - v0;
             value = v0;

@@ -47,7 +47,7 @@ class FarPolygons {
         const float opacity = float(face.rgba.a) * (1 / 255.0f);
         const glm::vec3 rgb =
             glm::vec3(float(face.rgba.r), float(face.rgba.g), float(face.rgba.b)) * (1.0f / float(face.rgba.a));
-        shade(rgb, opacity, law_of_opacity(opacity), hash_of_triangle(face.lower, face.upper, glm::vec3(face.side)));
+        shade(rgb, opacity, law_of_opacity(opacity), hash_of_triangle(face.lower, face.upper, glm::vec3(face.side)) + projection_.seed);
         for_triangles_of(face, projection_, [&](const SnappedTriangle& t, const DepthPlane& plane) {
             polygon_.set_triangle(t);
             polygon_.surface.depth = plane;
@@ -70,7 +70,7 @@ class FarPolygons {
         const float opacity = splat.opacity * (half.x * half.y) / (grown.x * grown.y);
         const std::int32_t left = snapped_to_256th(x - grown.x), right = snapped_to_256th(x + grown.x);
         const std::int32_t top = snapped_to_256th(y - grown.y), bottom = snapped_to_256th(y + grown.y);
-        shade(rgb, opacity, law, hash_of_triangle(splat.center, splat.center, splat.center));
+        shade(rgb, opacity, law, hash_of_triangle(splat.center, splat.center, splat.center) + projection_.seed);
         polygon_.set_rectangle(left, top, right, bottom, projection_.q(p.z, inverse));
         tile_(polygon_);
     }

@@ -14,6 +14,7 @@
 
 #include "farfield/coverage/polygons/polygon_stream.hpp"
 #include "farfield/coverage/polygons/surface.hpp"
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/light.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/polygon_clip.hpp"
@@ -52,14 +53,14 @@ class PolygonSetup {
         std::memcpy(&dx, r.x, sizeof dx);
         std::memcpy(&dy, r.y, sizeof dy);
         std::memcpy(&dz, r.z, sizeof dz);
-        dx -= projection_.eye.x, dy -= projection_.eye.y, dz -= projection_.eye.z;
+        dx -= projection_.anchor.x, dy -= projection_.anchor.y, dz -= projection_.anchor.z;
         const Floats depth = dx * projection_.forward.x + dy * projection_.forward.y + dz * projection_.forward.z;
         const Floats inverse = 1.0f / (depth * projection_.depth_weight + projection_.depth_bias);
         const Floats x = (dx * projection_.right.x + dy * projection_.right.y + dz * projection_.right.z) * inverse +
                          projection_.offset_x;
         const Floats y = (dx * projection_.down.x + dy * projection_.down.y + dz * projection_.down.z) * inverse +
                          projection_.offset_y;
-        const Floats q = inverse * projection_.q_of_inverse + depth * projection_.q_of_depth;
+        const Floats q = inverse * (projection_.q_of_inverse + depth * projection_.q_of_depth);
         const Ints is_behind = depth < projection_.near_depth;
         const Ints is_beyond = depth > projection_.far_depth;
         const Ints is_whole = ~is_behind & ~is_beyond & (x > -guard) & (x < guard) & (y > -guard) & (y < guard);
@@ -75,7 +76,7 @@ class PolygonSetup {
         }
         const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream_.colors(r);
         if (r.is_triangle) {
-            draw_triangle(r, corners, 0, 1, 2, colors);
+            draw_triangle(r, corners, first_three, colors);
         } else {
             draw_quadrilateral(r, corners, colors);
         }
@@ -102,19 +103,23 @@ class PolygonSetup {
         }
     };
 
+    /// Where depths are compared, it is drawn as the two triangles that a z-buffer takes it for: rounding bends it, and
+    /// one plane for both would meet other polygons elsewhere.
     void draw_quadrilateral(const PolygonRecord& r, const Corners& k, const Rgba8* colors) {
         const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
         const auto [low_y, high_y] = std::minmax({k.y[0], k.y[1], k.y[2], k.y[3]});
         if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
+        const auto draw_halves = [&] {
+            draw_triangle(r, k, {0, 1, 2}, colors);
+            draw_triangle(r, k, {0, 2, 3}, colors);
+        };
+        if (Tile::needs_depth && colors == nullptr) return draw_halves();
         const std::int64_t turns[4] = {k.turn(0, 1, 2), k.turn(1, 2, 3), k.turn(2, 3, 0), k.turn(3, 0, 1)};
         const bool is_clockwise = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0 && turns[3] >= 0;
         const bool is_front = turns[0] <= 0 && turns[1] <= 0 && turns[2] <= 0 && turns[3] <= 0;
         if (is_clockwise == is_front) {
             // Snapping bent it, or both are true because all turns are 0 and nothing is left.
-            if (is_front) return;
-            draw_triangle(r, k, 0, 1, 2, colors);
-            draw_triangle(r, k, 0, 2, 3, colors);
-            return;
+            return is_front ? void() : draw_halves();
         }
         if (is_culled(is_front)) return;
         polygon_.corners = 4;
@@ -123,47 +128,59 @@ class PolygonSetup {
             polygon_.x[c] = k.x[order[c]];
             polygon_.y[c] = k.y[order[c]];
         }
-        // Depth and colors are those of the larger half's plane.
+        // Colors are those of the larger half's plane.
         const std::int64_t one = std::abs(k.triangle(0, 1, 2).doubled_area()),
                            other = std::abs(k.triangle(0, 2, 3).doubled_area());
         const unsigned half[3] = {0, one >= other ? 1u : 2u, one >= other ? 2u : 3u};
         SnappedTriangle t = k.triangle(half[0], half[1], half[2]);
         if (is_front) t.flip();
-        if constexpr (Tile::needs_depth) {
-            DepthPlane& plane = polygon_.surface.depth = DepthPlane(t, std::max(one, other));
-            const auto [lowest, highest] = std::minmax({k.q[0], k.q[1], k.q[2], k.q[3]});
-            plane.lowest = lowest;
-            plane.highest = highest;
-        }
         if (colors == nullptr) {
-            shade(r, is_front, nullptr, t);
+            shade(r, first_three, is_front, nullptr, t);
         } else {
             const Rgba8 of_half[4] = {colors[0], colors[half[1]], colors[half[2]], colors[one >= other ? 3 : 1]};
-            shade(r, is_front, of_half, t);
+            shade(r, first_three, is_front, of_half, t);
         }
-        tile_(polygon_);
+        if constexpr (Tile::needs_depth) {
+            tile(k.triangle(0, 1, 2));
+            tile(k.triangle(0, 2, 3));
+        } else {
+            tile_(polygon_);
+        }
     }
 
-    void draw_triangle(const PolygonRecord& r, const Corners& k, unsigned a, unsigned b, unsigned c,
-                       const Rgba8* colors) {
-        SnappedTriangle t = k.triangle(a, b, c);
+    /// The numbers of three of a record's corners.
+    using Three = std::array<unsigned, 3>;
+    static constexpr Three first_three{0, 1, 2};
+
+    void draw_triangle(const PolygonRecord& r, const Corners& k, const Three& of, const Rgba8* colors) {
+        SnappedTriangle t = k.triangle(of[0], of[1], of[2]);
         const auto [low_x, high_x] = std::minmax({t.x[0], t.x[1], t.x[2]});
         const auto [low_y, high_y] = std::minmax({t.y[0], t.y[1], t.y[2]});
         if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
-        if (colors == nullptr) return draw_triangle(r, t, nullptr);
-        const Rgba8 own[4] = {colors[a], colors[b], colors[c], colors[c]};
-        draw_triangle(r, t, own);
+        if (colors == nullptr) return draw_triangle(r, of, t, nullptr);
+        const Rgba8 own[4] = {colors[of[0]], colors[of[1]], colors[of[2]], colors[of[2]]};
+        draw_triangle(r, of, t, own);
     }
 
-    void draw_triangle(const PolygonRecord& r, SnappedTriangle t, const Rgba8* colors) {
+    void draw_triangle(const PolygonRecord& r, const Three& of, SnappedTriangle t, const Rgba8* colors) {
         const std::int64_t area = t.doubled_area();
         if (area == 0) return;
         const bool is_front = area < 0;  // counter-clockwise, rows running downwards
         if (is_culled(is_front)) return;
         if (is_front) t.flip();
+        shade(r, of, is_front, colors, t);
+        tile_clockwise(t, std::abs(area));
+    }
+
+    /// Tiles a triangle in the shade set last.
+    void tile(SnappedTriangle t) {
+        const std::int64_t area = t.doubled_area();
+        if (area < 0) t.flip();
+        if (area != 0) tile_clockwise(t, std::abs(area));
+    }
+    void tile_clockwise(const SnappedTriangle& t, std::int64_t doubled_area) {
         polygon_.set_triangle(t);
-        if constexpr (Tile::needs_depth) polygon_.surface.depth = DepthPlane(t, std::abs(area));
-        shade(r, is_front, colors, t);
+        if constexpr (Tile::needs_depth) polygon_.surface.depth = DepthPlane(t, doubled_area);
         tile_(polygon_);
     }
 
@@ -178,11 +195,12 @@ class PolygonSetup {
                y1 < projection_.first_y;
     }
 
-    /// Null `colors` stand for the record's one. Otherwise there are four: those of the triangle, in the order of
-    /// corners before they were turned clockwise, and one more that the surface has.
-    void shade(const PolygonRecord& r, bool is_front, const Rgba8* colors, const SnappedTriangle& clockwise) {
+    /// The corners `of` give the normal. Null `colors` stand for the record's one. Otherwise there are four: those of
+    /// the triangle, in the order of corners before they were turned clockwise, and one more that the surface has.
+    void shade(const PolygonRecord& r, const Three& of, bool is_front, const Rgba8* colors,
+               const SnappedTriangle& clockwise) {
         Surface& s = polygon_.surface;
-        s.is_perspective = projection_.is_perspective;
+        s.color_weight = projection_.color_weight;
         s.is_flat = colors == nullptr;
         s.colors.fill(r.color);
         bool is_opaque = r.color.a == 255;
@@ -190,11 +208,11 @@ class PolygonSetup {
             s.colors = {colors[0], colors[is_front ? 2 : 1], colors[is_front ? 1 : 2], colors[3]};
             is_opaque = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
         }
-        const auto corner = [&](unsigned c) { return glm::vec3(r.x[c], r.y[c], r.z[c]); };
+        const auto corner = [&](unsigned c) { return glm::vec3(r.x[of[c]], r.y[of[c]], r.z[of[c]]); };
         s.kind = is_opaque ? SurfaceKind::opaque : SurfaceKind::translucent;
-        if (!is_opaque) s.hash = hash_of_triangle(corner(0), corner(1), corner(2));
+        if (!is_opaque) s.hash = hash_of_triangle(corner(0), corner(1), corner(2)) + projection_.seed;
         if (light_ != nullptr) {
-            const glm::vec3 n = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+            const glm::vec3 n = normal_to(corner(1) - corner(0), corner(2) - corner(0));
             const float brightness = light_->brightness(is_front != projection_.is_mirrored ? n : -n);
             for (Rgba8& c : s.colors) c = scaled(c, brightness);
         }
@@ -202,9 +220,20 @@ class PolygonSetup {
     }
 
     void draw_clipped(const PolygonRecord& r) {
+        if (r.is_triangle || Tile::needs_depth) {
+            draw_clipped(r, first_three, first_three);
+            if (!r.is_triangle) draw_clipped(r, Three{0, 2, 3}, Three{0, 2, 3});
+        } else {
+            draw_clipped(r, first_three, std::array<unsigned, 4>{0, 1, 2, 3});
+        }
+    }
+
+    /// Draws the polygon of those corners `of` a record; three of them give the normal.
+    template <std::size_t n>
+    void draw_clipped(const PolygonRecord& r, const Three& normal, const std::array<unsigned, n>& of) {
         const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream_.colors(r);
         ClippedPolygon clipped;
-        for (unsigned c = 0; c < (r.is_triangle ? 3u : 4u); ++c) {
+        for (const unsigned c : of) {
             clipped.add({r.x[c], r.y[c], r.z[c]}, projection_, colors == nullptr ? glm::vec4(0) : to_vec4(colors[c]));
         }
         clipped.clip(projection_);
@@ -217,7 +246,7 @@ class PolygonSetup {
                 if (colors != nullptr) corner_colors[c] = to_rgba8(clipped[from[c]].color);
             }
             corner_colors[3] = corner_colors[2];
-            draw_triangle(r, t, colors == nullptr ? nullptr : corner_colors);
+            draw_triangle(r, normal, t, colors == nullptr ? nullptr : corner_colors);
         }
     }
 

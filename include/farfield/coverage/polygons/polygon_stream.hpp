@@ -55,6 +55,10 @@ class PolygonStream {
     /// The polygon must have three vertices or more.
     void add(const Polygon& polygon) { append(polygon); }
     std::uint32_t size() const { return std::uint32_t(records_.size()); }
+    std::size_t bytes() const {
+        return records_.capacity() * sizeof(PolygonRecord) + colors_.capacity() * sizeof(Rgba8) +
+               first_record_.capacity() * sizeof(std::uint32_t);
+    }
 
     const PolygonRecord& operator[](std::uint32_t record) const { return records_[record]; }
     /// The first record of the primitive at a position.
@@ -64,11 +68,12 @@ class PolygonStream {
     /// Prefetches a position's records, because front-to-back orders jump about in memory: `far_ahead` their index,
     /// later the records themselves.
     void prefetch(std::uint32_t position, bool far_ahead) const {
+        // The last positions may have no record.
         if (far_ahead) {
-            __builtin_prefetch(first_record_.empty() ? static_cast<const void*>(&records_[position])
-                                                     : static_cast<const void*>(&first_record_[position]));
+            __builtin_prefetch(first_record_.empty() ? static_cast<const void*>(records_.data() + position)
+                                                     : static_cast<const void*>(first_record_.data() + position));
         } else {
-            __builtin_prefetch(&records_[first_record(position)]);
+            __builtin_prefetch(records_.data() + first_record(position));
         }
     }
     /// The four colors of a record whose corners differ.

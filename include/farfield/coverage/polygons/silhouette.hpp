@@ -48,7 +48,7 @@ struct Silhouette {
         }
         // A box is nowhere nearer than its nearest corner, up to rounding, which grows with the terms of a depth.
         const float rounding =
-            glm::dot(glm::abs(projection.forward), glm::abs(center - projection.eye) + half) * 0x1p-20f +
+            glm::dot(glm::abs(projection.forward), glm::abs(center - projection.anchor) + half) * 0x1p-20f +
             std::abs(least_depth) * 0x1p-18f;
         const float depth = std::max(least_depth - rounding, projection.near_depth);
         const float nearest_q = projection.q(depth, projection.inverse_w(depth));

@@ -32,8 +32,8 @@ struct Surface {
     detail::ColorGradient gradient{};    ///< where it is not flat, once find_gradient() was called
     std::uint32_t hash = 0;              ///< chooses samples of a fraction and of a translucent surface
     SurfaceKind kind = SurfaceKind::opaque;
-    bool is_flat = true;         ///< has one color
-    bool is_perspective = true;  ///< how colors are interpolated
+    bool is_flat = true;  ///< has one color
+    detail::ColorWeight color_weight{};
     Loss loss{};                 ///< a deposit's
     glm::vec3 far_rgb{0};        ///< a deposit's, in [0, 1], not premultiplied
 
@@ -41,7 +41,7 @@ struct Surface {
     FARFIELD_INLINE bool covers_some() const { return kind >= SurfaceKind::fraction; }
     FARFIELD_INLINE bool is_deposit() const { return kind == SurfaceKind::deposit; }
 
-    FARFIELD_INLINE void find_gradient() { gradient = detail::ColorGradient(triangle, colors, is_perspective); }
+    FARFIELD_INLINE void find_gradient() { gradient = detail::ColorGradient(triangle, colors, color_weight); }
 
     /// The color of a sample that shows the surface: opaque, because alpha has already chosen the samples.
     FARFIELD_INLINE Rgba8 seen_color() const { return seen(colors[0]); }  ///< where it is flat
@@ -77,7 +77,7 @@ struct Surface {
     Rgba8 color_at(int x, int y) const {
         if (is_flat) return colors[0];
         const Rgba8 corners[3] = {colors[0], colors[1], colors[2]};
-        return detail::ColorPlane(triangle, triangle.doubled_area(), is_perspective).at(x, y, corners);
+        return detail::ColorPlane(triangle, triangle.doubled_area(), color_weight).at(x, y, corners);
     }
     FARFIELD_INLINE Rgba8 seen(Rgba8 c) const {
         if (kind != SurfaceKind::background && kind != SurfaceKind::deposit) c.a = 255;

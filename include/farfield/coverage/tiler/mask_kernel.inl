@@ -172,7 +172,7 @@ struct MaskKernel {
     }
     static unsigned byte_of(const EightInts& lanes) {
 #if FARFIELD_LANES >= 8
-        return unsigned(_mm256_movemask_ps((__m256)lanes));
+        return unsigned(_mm256_movemask_ps(reinterpret_cast<__m256>(lanes)));
 #elif FARFIELD_LANES == 4
         __m128 half[2];
         __builtin_memcpy(half, &lanes, sizeof half);

@@ -49,10 +49,12 @@ class FarSamples {
 
     /// Call this before the first deposit of a frame. The first frame that has one takes the memory.
     void begin() {
+        if (samples_.empty()) {
+            const std::size_t count = std::size_t(width_) * std::size_t(height_);
+            first_deposit_.resize(count);
+            samples_.assign(count, {});  // last: it tells that there is memory
+        }
         has_begun_ = true;
-        if (!samples_.empty()) return;
-        samples_.assign(std::size_t(width_) * std::size_t(height_), {});
-        first_deposit_.resize(samples_.size());
     }
     bool has_begun() const { return has_begun_; }
     /// A rectangle that holds all samples deposited into.

@@ -7,6 +7,7 @@
 
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
+#include "farfield/raster/made_for.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/sample_rect.hpp"
 #include "farfield/raster/samples/box_mean.hpp"
@@ -18,14 +19,15 @@ class ColorSamples {
   public:
     void begin(const SampleProjection& projection, int samples_a_side, Rgba8 background) {
         const int width = projection.end_x - projection.first_x, height = projection.end_y - projection.first_y;
-        if (width != width_ || height != height_ || samples_a_side != side_ || !(background == background_)) {
+        const bool is_new = made_for_({{width, height}, samples_a_side, background}, [&] {
             width_ = width;
             height_ = height;
             side_ = samples_a_side;
             background_ = background;
             color_.assign(std::size_t(width) * std::size_t(height) + padding, background);
             image_is_stale_ = true;
-        } else {
+        });
+        if (!is_new) {
             for (int y = drawn_.y0; y < drawn_.y1; ++y) {
                 std::fill(at(drawn_.x0, y), at(drawn_.x1, y), background_);
             }
@@ -69,8 +71,16 @@ class ColorSamples {
   private:
     static constexpr std::size_t padding = 8;  ///< rows are filled in vectors
 
+    struct Kind {
+        BufferSize size;
+        int samples_a_side;
+        Rgba8 background;
+        friend bool operator==(const Kind&, const Kind&) = default;
+    };
+
     Rgba8* at(int x, int y) { return color_.data() + (std::size_t(y) * std::size_t(width_) + std::size_t(x)); }
 
+    MadeFor<Kind> made_for_;
     int width_ = 0, height_ = 0, side_ = 1;
     int first_x_ = 0, first_y_ = 0;
     Rgba8 background_{0, 0, 0, 0};

@@ -14,6 +14,7 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
 #include "farfield/raster/far_field/far_samples.hpp"
+#include "farfield/raster/made_for.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/sample_rect.hpp"
 #include "farfield/raster/samples/box_mean.hpp"
@@ -29,9 +30,8 @@ class SampleBuffers {
   public:
     void begin(const SampleProjection& projection, int samples_a_side, Rgba8 background) {
         const int width = projection.end_x - projection.first_x, height = projection.end_y - projection.first_y;
-        if (width != width_ || height != height_ || samples_a_side != side_ || !(background == background_)) {
-            resize(width, height, samples_a_side, background);
-        } else {
+        if (!made_for_({{width, height}, samples_a_side, background},
+                       [&] { resize(width, height, samples_a_side, background); })) {
             clear();
         }
         first_x_ = projection.first_x;
@@ -122,6 +122,13 @@ class SampleBuffers {
   private:
     static constexpr std::size_t padding = 8;  ///< rows are filled in vectors
 
+    struct Kind {
+        BufferSize size;
+        int samples_a_side;
+        Rgba8 background;
+        friend bool operator==(const Kind&, const Kind&) = default;
+    };
+
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
     std::size_t row(int y) const { return std::size_t(y - first_y_) * std::size_t(width_); }
 
@@ -192,6 +199,7 @@ class SampleBuffers {
         near_ = {};
     }
 
+    MadeFor<Kind> made_for_;
     int width_ = 0, height_ = 0, side_ = 1;
     int first_x_ = 0, first_y_ = 0;
     Rgba8 background_{0, 0, 0, 0};

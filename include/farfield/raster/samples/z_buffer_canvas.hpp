@@ -17,6 +17,7 @@
 #include "farfield/raster/samples/sample_buffers.hpp"
 #include "farfield/raster/source_slots.hpp"
 #include "farfield/raster/triangles/triangle_painter.hpp"
+#include "farfield/raster/triangles/triangle_reader.hpp"
 #include "farfield/raster/triangles/triangle_runs.hpp"
 #include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
@@ -41,7 +42,12 @@ class ZBufferCanvas {
     const Image& image() const { return image_; }
     const SampleProjection& projection() const { return projection_; }
     SampleBuffers& buffers() { return buffers_; }
+    template <class P>
+    std::uint32_t upload(const Source<P>& source) {
+        return streams_.upload(source, options_.copies_sources);
+    }
     SourceSlots<TriangleStream>& streams() { return streams_; }
+    const SourceSlots<TriangleStream>& streams() const { return streams_; }
 
     /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
     void begin_frame(const LocalView& view) {
@@ -60,13 +66,19 @@ class ZBufferCanvas {
     template <class P, class Fill>
     void draw(const Source<P>& source, std::span<const Range> ranges, const Fill& fill) {
         const TriangleStream& stream = streams_[source.id];
-        TrianglePainter<Fill> painter(stream, projection_, light_.light(), options_.culls_back_faces, fill);
         for (const Range& r : ranges) {
-            const std::uint32_t first = stream.first_triangle(r.first), end = stream.first_triangle(r.first + r.count);
-            if (r.law && options_.deposits_small_triangles) {
-                draw_with_deposits(stream, first, end, r.law, painter);
+            const auto draw_range = [&](const TriangleStream& of, std::uint32_t first, std::uint32_t end) {
+                TrianglePainter<Fill> painter(of, projection_, light_.light(), options_.culls_back_faces, fill);
+                if (r.law && options_.deposits_small_triangles) {
+                    draw_with_deposits(of, first, end, r.law, painter);
+                } else {
+                    draw_triangles(of, first, end, projection_, triage_, painter);
+                }
+            };
+            if (options_.copies_sources) {
+                draw_range(stream, stream.first_triangle(r.first), stream.first_triangle(r.first + r.count));
             } else {
-                draw_triangles(stream, first, end, projection_, triage_, painter);
+                reader_.read(source, stream, r, draw_range);
             }
         }
     }
@@ -126,6 +138,7 @@ class ZBufferCanvas {
     SampleProjection projection_;
     SampleBuffers buffers_;
     SourceSlots<TriangleStream> streams_;
+    TriangleReader reader_;  ///< where streams keep no triangles
     Image image_;
 };
 

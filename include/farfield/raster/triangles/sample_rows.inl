@@ -7,9 +7,9 @@ typedef std::uint32_t Words __attribute__((vector_size(4 * FARFIELD_LANES)));
 
 inline bool any(Ints where) {
 #if FARFIELD_LANES == 8 && defined(__x86_64__)
-    return __builtin_ia32_movmskps256((Floats)where) != 0;
+    return __builtin_ia32_movmskps256(reinterpret_cast<Floats>(where)) != 0;
 #elif FARFIELD_LANES == 4 && defined(__x86_64__)
-    return __builtin_ia32_movmskps((Floats)where) != 0;
+    return __builtin_ia32_movmskps(reinterpret_cast<Floats>(where)) != 0;
 #else
     std::int32_t bits = 0;
     for (int lane = 0; lane < FARFIELD_LANES; ++lane) bits |= where[lane];
@@ -45,19 +45,20 @@ inline void fill_one_color(float* depth, Rgba8* color, int begin, int end, const
     Ints x = numbered_from(begin);
     for (; begin < end; begin += FARFIELD_LANES, x += FARFIELD_LANES) {
         const Floats q = depth_at(__builtin_convertvector(x, Floats), of), old_q = load<Floats>(depth + begin);
-        Ints wins = ~(Ints)(q < old_q) & (Ints)(x < end);
+        Ints wins = ~(q < old_q) & (x < end);
         if (!any(wins)) continue;
         const Words old_c = load<Words>(color + begin);
-        wins &= ~(Ints)(q == old_q) | (Ints)(c > old_c);
+        wins &= ~(q == old_q) | (c > old_c);
         store(depth + begin, wins ? q : old_q);
-        store(color + begin, ((Words)wins & c) | (~(Words)wins & old_c));
+        const Words replaced = reinterpret_cast<Words>(wins);
+        store(color + begin, (replaced & c) | (~replaced & old_c));
     }
 }
 
 inline Words byte_of(Floats v) {
     const Floats zero{}, one = zero + 1.0f;
     const Floats lit = v * 255.0f + 0.5f, byte = v < one ? lit : zero + 255.0f;
-    return (Words) __builtin_convertvector(v > zero ? byte : zero, Ints);
+    return reinterpret_cast<Words>(__builtin_convertvector(v > zero ? byte : zero, Ints));
 }
 
 /// Returns false if one of the wanted colors is not opaque.
@@ -75,7 +76,7 @@ inline bool colors_at(Floats x, const ColorsOfRow& colors, Ints wanted, Words& o
         const Words byte = byte_of((corners.x * w[0] + corners.y * w[1] + corners.z * w[2]) * inverse);
         out |= byte << (8 * channel);
     }
-    return !any(wanted & (Ints)(out < 0xff000000u));
+    return !any(wanted & (out < 0xff000000u));
 }
 
 inline bool fill_several_colors(float* depth, Rgba8* color, int& begin, int end, const DepthOfRow& of,
@@ -84,14 +85,15 @@ inline bool fill_several_colors(float* depth, Rgba8* color, int& begin, int end,
     for (; begin < end; begin += FARFIELD_LANES, x += FARFIELD_LANES) {
         const Floats at = __builtin_convertvector(x, Floats);
         const Floats q = depth_at(at, of), old_q = load<Floats>(depth + begin);
-        Ints wins = ~(Ints)(q < old_q) & (Ints)(x < end);
+        Ints wins = ~(q < old_q) & (x < end);
         if (!any(wins)) continue;
         Words c;
         if (!colors_at(at, colors, wins, c)) return false;
         const Words old_c = load<Words>(color + begin);
-        wins &= ~(Ints)(q == old_q) | (Ints)(c > old_c);
+        wins &= ~(q == old_q) | (c > old_c);
         store(depth + begin, wins ? q : old_q);
-        store(color + begin, ((Words)wins & c) | (~(Words)wins & old_c));
+        const Words replaced = reinterpret_cast<Words>(wins);
+        store(color + begin, (replaced & c) | (~replaced & old_c));
     }
     return true;
 }
@@ -99,10 +101,11 @@ inline bool fill_several_colors(float* depth, Rgba8* color, int& begin, int end,
 inline bool paint_several_colors(Rgba8* color, int& begin, int end, const ColorsOfRow& colors) {
     Ints x = numbered_from(begin);
     for (; begin < end; begin += FARFIELD_LANES, x += FARFIELD_LANES) {
-        const Ints wanted = (Ints)(x < end);
+        const Ints wanted = x < end;
         Words c;
         if (!colors_at(__builtin_convertvector(x, Floats), colors, wanted, c)) return false;
-        store(color + begin, ((Words)wanted & c) | (~(Words)wanted & load<Words>(color + begin)));
+        const Words replaced = reinterpret_cast<Words>(wanted);
+        store(color + begin, (replaced & c) | (~replaced & load<Words>(color + begin)));
     }
     return true;
 }

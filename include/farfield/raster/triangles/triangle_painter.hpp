@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/light.hpp"
 #include "farfield/raster/far_field/far_sample.hpp"
 #include "farfield/raster/polygon_clip.hpp"
@@ -128,7 +129,7 @@ class TrianglePainter {
     /// The normal on the visible side, of any length.
     glm::vec3 normal(std::uint32_t triangle, bool front) const {
         const glm::vec3 a = stream_.vertex(triangle, 0);
-        const glm::vec3 n = glm::cross(stream_.vertex(triangle, 1) - a, stream_.vertex(triangle, 2) - a);
+        const glm::vec3 n = normal_to(stream_.vertex(triangle, 1) - a, stream_.vertex(triangle, 2) - a);
         return front ? n : -n;
     }
 
@@ -164,9 +165,10 @@ class TrianglePainter {
         SeveralColors shade{colors, one_color};
         const auto prepare = [&] {
             light();
-            shade.plane.emplace(t, doubled_area, projection_.is_perspective);
-            shade.hash =
-                hash_of_triangle(stream_.vertex(triangle, 0), stream_.vertex(triangle, 1), stream_.vertex(triangle, 2));
+            shade.plane.emplace(t, doubled_area, projection_.color_weight);
+            shade.hash = hash_of_triangle(stream_.vertex(triangle, 0), stream_.vertex(triangle, 1),
+                                          stream_.vertex(triangle, 2)) +
+                         projection_.seed;
         };
         fill_(t, doubled_area, prepare, shade);
     }

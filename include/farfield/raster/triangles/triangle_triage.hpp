@@ -38,6 +38,9 @@ struct TriageMasks {
     unsigned front;       ///< for small ones: seen from their front
 };
 
+/// How a view measures depth: see SampleProjection.
+enum class Depths : std::uint8_t { from_eye, from_anchor, parallel };
+
 #define FARFIELD_LANES 1
 namespace one_lane {
 #include "farfield/raster/triangles/triangle_triage.inl"

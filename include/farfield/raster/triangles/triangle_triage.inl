@@ -15,9 +15,9 @@ inline Floats upper(Floats a, Floats b) {
 
 inline unsigned bits(Ints where) {
 #if FARFIELD_LANES == 8 && defined(__x86_64__)
-    return unsigned(__builtin_ia32_movmskps256((Floats)where));
+    return unsigned(__builtin_ia32_movmskps256(reinterpret_cast<Floats>(where)));
 #elif FARFIELD_LANES == 4 && defined(__x86_64__)
-    return unsigned(__builtin_ia32_movmskps((Floats)where));
+    return unsigned(__builtin_ia32_movmskps(reinterpret_cast<Floats>(where)));
 #else
     unsigned out = 0;
     for (unsigned lane = 0; lane < FARFIELD_LANES; ++lane) out |= unsigned(where[lane] & 1) << lane;
@@ -38,10 +38,10 @@ inline void store(T* p, V v) {
 inline Ints snapped(Floats v) {
     // The constant is 1.5 * 2^23: the sum's last bit is worth one, and the bits below the constant's are the integer.
     // Unsigned, because values far outside the guard band wrap; those are clipped.
-    return (Ints)((Words)(v + snap_rounder) - snap_rounder_bits);
+    return reinterpret_cast<Ints>(reinterpret_cast<Words>(v + snap_rounder) - snap_rounder_bits);
 }
 
-template <bool perspective, bool deposits>
+template <Depths depths, bool deposits>
 inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& projection, TriagedBlock& out) {
     TriageMasks masks{0, 0, 0, 0};
     const bool has_far_plane = projection.far_depth < std::numeric_limits<float>::infinity();
@@ -49,24 +49,30 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& pr
         Floats x[3], y[3], q[3];
         Ints behind[3], beyond[3] = {Ints{}, Ints{}, Ints{}};
         for (unsigned c = 0; c < 3; ++c) {
-            const Floats dx = load(block.v[3 * c] + first) - projection.eye.x;
-            const Floats dy = load(block.v[3 * c + 1] + first) - projection.eye.y;
-            const Floats dz = load(block.v[3 * c + 2] + first) - projection.eye.z;
+            const Floats dx = load(block.v[3 * c] + first) - projection.anchor.x;
+            const Floats dy = load(block.v[3 * c + 1] + first) - projection.anchor.y;
+            const Floats dz = load(block.v[3 * c + 2] + first) - projection.anchor.z;
             const Floats depth = dx * projection.forward.x + dy * projection.forward.y + dz * projection.forward.z;
             x[c] = dx * projection.right.x + dy * projection.right.y + dz * projection.right.z;
             y[c] = dx * projection.down.x + dy * projection.down.y + dz * projection.down.z;
-            if constexpr (perspective) {
+            // Each is SampleProjection's formula with what is 0 or 1 in it left out.
+            if constexpr (depths == Depths::from_eye) {
                 const Floats inverse = 1.0f / depth;
                 x[c] *= inverse;
                 y[c] *= inverse;
                 q[c] = inverse * projection.q_of_inverse;
+            } else if constexpr (depths == Depths::from_anchor) {
+                const Floats inverse = 1.0f / (depth + projection.depth_bias);
+                x[c] *= inverse;
+                y[c] *= inverse;
+                q[c] = inverse * (depth * projection.q_of_depth);
             } else {
                 q[c] = depth * projection.q_of_depth;
             }
             x[c] += projection.offset_x;
             y[c] += projection.offset_y;
-            behind[c] = (Ints)(depth < projection.near_depth);
-            if (has_far_plane) beyond[c] = (Ints)(depth > projection.far_depth);
+            behind[c] = depth < projection.near_depth;
+            if (has_far_plane) beyond[c] = depth > projection.far_depth;
             store(out.x[c] + first, x[c]);
             store(out.y[c] + first, y[c]);
             store(out.q[c] + first, q[c]);
@@ -75,28 +81,25 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& pr
         const Floats low_x = lower(lower(x[0], x[1]), x[2]), high_x = upper(upper(x[0], x[1]), x[2]);
         const Floats low_y = lower(lower(y[0], y[1]), y[2]), high_y = upper(upper(y[0], y[1]), y[2]);
         const float guard = SampleProjection::guard_band * 256;
-        const Ints in_guard_band =
-            (Ints)(low_x > -guard) & (Ints)(high_x < guard) & (Ints)(low_y > -guard) & (Ints)(high_y < guard);
+        const Ints in_guard_band = (low_x > -guard) & (high_x < guard) & (low_y > -guard) & (high_y < guard);
         const Ints gone = (behind[0] & behind[1] & behind[2]) | (beyond[0] & beyond[1] & beyond[2]);
         const Ints clip =
             (~in_guard_band | behind[0] | behind[1] | behind[2] | beyond[0] | beyond[1] | beyond[2]) & ~gone;
         // A sample i is inside if 256 i + 128 is in [lowest, highest].
         const Ints x0 = (snapped(low_x) + 127) >> 8, x1 = (snapped(high_x) - 128) >> 8;
         const Ints y0 = (snapped(low_y) + 127) >> 8, y1 = (snapped(high_y) - 128) >> 8;
-        const Ints holds_no_sample = (Ints)(x0 > x1) | (Ints)(y0 > y1) | (Ints)(x0 >= projection.end_x) |
-                                     (Ints)(y0 >= projection.end_y) | (Ints)(x1 < projection.first_x) |
-                                     (Ints)(y1 < projection.first_y);
+        const Ints holds_no_sample = (x0 > x1) | (y0 > y1) | (x0 >= projection.end_x) | (y0 >= projection.end_y) |
+                                     (x1 < projection.first_x) | (y1 < projection.first_y);
         masks.draw |= bits(~(holds_no_sample | clip | gone)) << first;
         masks.clip |= bits(clip) << first;
         if constexpr (deposits) {
             const float limit = deposited_below * 256;
-            const Ints is_small = (Ints)(high_x - low_x < limit) & (Ints)(high_y - low_y < limit);
+            const Ints is_small = (high_x - low_x < limit) & (high_y - low_y < limit);
             const Floats doubled_area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
-            const Ints in_image =
-                (Ints)(high_x > float(projection.first_x) * 256) & (Ints)(low_x < float(projection.end_x) * 256) &
-                (Ints)(high_y > float(projection.first_y) * 256) & (Ints)(low_y < float(projection.end_y) * 256);
-            masks.small_ones |= bits(is_small & in_image & (Ints)(doubled_area != 0.0f) & ~(clip | gone)) << first;
-            masks.front |= bits((Ints)(doubled_area < 0.0f)) << first;
+            const Ints in_image = (high_x > float(projection.first_x) * 256) & (low_x < float(projection.end_x) * 256) &
+                                  (high_y > float(projection.first_y) * 256) & (low_y < float(projection.end_y) * 256);
+            masks.small_ones |= bits(is_small & in_image & (doubled_area != 0.0f) & ~(clip | gone)) << first;
+            masks.front |= bits(doubled_area < 0.0f) << first;
             store(out.center_x + first, (x[0] + x[1] + x[2]) * (1.0f / 768));
             store(out.center_y + first, (y[0] + y[1] + y[2]) * (1.0f / 768));
             store(out.center_q + first, (q[0] + q[1] + q[2]) * (1.0f / 3));
@@ -109,6 +112,7 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& pr
 
 template <bool deposits>
 inline TriageMasks triage_any(const TriangleBlock& block, const SampleProjection& projection, TriagedBlock& out) {
-    return projection.is_perspective ? triage<true, deposits>(block, projection, out)
-                                     : triage<false, deposits>(block, projection, out);
+    if (!projection.is_perspective) return triage<Depths::parallel, deposits>(block, projection, out);
+    return projection.is_at_eye ? triage<Depths::from_eye, deposits>(block, projection, out)
+                                : triage<Depths::from_anchor, deposits>(block, projection, out);
 }
