@@ -36,20 +36,6 @@ inline constexpr Assignment agreed_assignment = [] {
 }();
 
 namespace detail {
-/// Policies and samplers may say what is wrong with their options: `const char* wrong_option() const`, null where all
-/// is well. Builds ask before anything is done, open() of what files say.
-template <class T>
-concept ChecksOptions = requires(const T& policy) {
-    { policy.wrong_option() } -> std::same_as<const char*>;
-};
-template <class T>
-const char* wrong_option([[maybe_unused]] const T& policy) {
-    if constexpr (ChecksOptions<T>) {
-        return policy.wrong_option();
-    } else {
-        return nullptr;
-    }
-}
 /// Throws std::invalid_argument if an option makes no sense.
 template <class T>
 void check_options(const T& policy) {

@@ -57,7 +57,10 @@ TEST_CASE("planes have unit normals, and the near one may be missing") {
     CHECK(view.planes[4] == glm::vec4(0, 0, 0, 1));
     const LocalView perspective(looking({1, 2, 3}), {}, 4);
     CHECK(perspective.near_depth == 4 * 0x1p-16f);
-    for (const glm::vec4& p : perspective.planes) CHECK(std::abs(glm::length(glm::vec3(p)) - 1) < 1e-6f);
+    CHECK(perspective.planes[5] == glm::vec4(0, 0, 0, 1));
+    View v = looking({1, 2, 3});
+    v.camera.far_depth = 5;
+    for (const glm::vec4& p : LocalView(v, {}, 4).planes) CHECK(std::abs(glm::length(glm::vec3(p)) - 1) < 1e-6f);
 }
 
 TEST_CASE("a view from inside an instance shows its points where the world's view does") {

@@ -33,6 +33,7 @@ class ZBufferRenderer {
   public:
     static constexpr RendererFacts facts{.keeps_sources = true,
                                          .tells_lifetime = true,
+                                         .tells_light = true,
                                          .draws_faces = true,
                                          .draws_splats = true,
                                          .answers_hidden = true,
@@ -42,6 +43,7 @@ class ZBufferRenderer {
     explicit ZBufferRenderer(const ZBufferOptions& options = {}) : canvas_(options, "ZBufferRenderer") {}
 
     const Image& image() const { return canvas_.image(); }
+    const std::optional<DirectionalLight>& light() const { return canvas_.options().light; }
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {

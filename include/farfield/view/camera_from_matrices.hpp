@@ -125,10 +125,10 @@ class CameraFromMatrices {
         if (!is_along(glm::dvec3(z), forward)) refuse("an oblique near plane cannot be had");
         const double lowest = clip_depth_ == ClipDepth::zero_to_one ? 0 : -1;
         camera.eye = -(glm::inverse(glm::dmat3(view_)) * glm::dvec3(view_[3]));
-        // The eye looks towards the middle of what is seen; if it stands there, to where z grows.
+        // The eye looks towards the middle of what is seen; if it stands there, up to rounding, to where z grows.
         const double z_of_eye = glm::dot(glm::dvec3(z), camera.eye) + z.w;
         const double ahead = (clip_depth_ == ClipDepth::minus_one_to_one ? 0 : 0.5) - z_of_eye;
-        if ((ahead != 0 ? ahead * slope : slope) < 0) forward = -forward;
+        if ((std::abs(ahead) > 0x1p-10 ? ahead * slope : slope) < 0) forward = -forward;
         set_picture(camera, glm::dvec3(x), glm::dvec3(y), forward);
         camera.off_center =
             -glm::dvec2(glm::dot(glm::dvec3(x), camera.eye) + x.w, glm::dot(glm::dvec3(y), camera.eye) + y.w);
