@@ -41,8 +41,9 @@ struct PolygonBsp {
     const char* wrong_option() const {
         // A frame descends by recursion: see most_levels_in_files, in storage/file_format.hpp.
         if (max_depth > 1000) return "PolygonBsp: max_depth must be at most 1000";
-        return price_of_cut >= 0 && std::isfinite(price_of_cut) ? nullptr
-                                                                : "PolygonBsp: price_of_cut must be 0 or more, finite";
+        return price_of_cut >= 0 && std::isfinite(price_of_cut)
+                   ? nullptr
+                   : "PolygonBsp: price_of_cut must be 0 or more and finite";
     }
 
     Cell root(const Box& bounds) const {
