@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <ranges>
 #include <span>
 #include <type_traits>
@@ -48,16 +49,28 @@ concept ContiguousPrimitives = std::ranges::contiguous_range<Range> && std::rang
 template <class H, Primitive P, class Sampler>
 typename H::Data build_data(std::span<const P> primitives, const BuildOptions<H, Sampler>& options) {
     const BuildControl control(options.executor, options.progress);
-    return HierarchyBuilder<H, P, Sampler>(primitives, options.partition, options.approximation, options.cost_model,
-                                           options.sampler, options.memory_budget_bytes, control)
-        .build();
+    check_options(options.partition);
+    check_options(options.approximation);
+    check_options(options.cost_model);
+    check_options(options.sampler);
+    auto data =
+        HierarchyBuilder<H, P, Sampler>(primitives, options.partition, options.approximation, options.cost_model,
+                                        options.sampler, options.memory_budget_bytes, control)
+            .build();
+    if constexpr (H::approximation_type::facts.stands_in && TellsItsLight<Sampler>) {
+        const std::optional<DirectionalLight> light = options.sampler.light;
+        data.facts.baked_light = light ? BakedLight::directional : BakedLight::none;
+        data.facts.light = light.value_or(DirectionalLight{});
+    }
+    return data;
 }
 
 }  // namespace detail
 
 /// H is a SpatialHierarchy; any contiguous range of primitives will do. It is not kept: a Viewer is given it again.
-/// Throws std::invalid_argument naming the first primitive whose bounding box is empty or not finite, or that has a
-/// cost below 0; BuildCanceled if the progress callback says so.
+/// Throws std::invalid_argument naming an option that makes no sense, or the first primitive whose bounding box is
+/// empty or not finite, that has a cost below 0, or that is an instance of nothing; BuildCanceled if the progress
+/// callback says so.
 template <class H, OrthographicSampler Sampler = GridSampler, detail::ContiguousPrimitives Range>
 requires BuildableFrom<H, std::ranges::range_value_t<Range>> H build(const Range& primitives,
                                                                      const BuildOptions<H, Sampler>& options = {}) {

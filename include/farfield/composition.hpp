@@ -2,8 +2,13 @@
 // condition is a named concept, so that compilers name what is missing.
 #pragma once
 
+#include <concepts>
+#include <stdexcept>
+#include <string>
+
 #include "farfield/approximation.hpp"
 #include "farfield/cost_model.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/geometry/visit_order.hpp"
 #include "farfield/partition.hpp"
 #include "farfield/primitive.hpp"
@@ -31,6 +36,12 @@ inline constexpr Assignment agreed_assignment = [] {
 }();
 
 namespace detail {
+/// Throws std::invalid_argument if an option makes no sense.
+template <class T>
+void check_options(const T& policy) {
+    if (const char* why = wrong_option(policy)) detail::fail<std::invalid_argument>(std::string("farfield::") + why);
+}
+
 template <class P, class A>
 concept HasPolygonsIfNeeded = !A::facts.needs_polygons || PrimitiveWithPolygons<P>;
 template <class P, class H>

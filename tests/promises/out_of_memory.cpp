@@ -149,8 +149,8 @@ bool are_same(const Triangles& a, const Triangles& b) {
 
 TEST_CASE("after a frame that ran out of memory the next is right, in every renderer") {
     const Triangles triangles = leaves(), few = random_triangles(60, 1202, 0.6f);
-    const auto tensors = build<Tensors>(triangles);
-    const auto cubes = build<Cubes>(triangles);
+    const auto tensors = build<Tensors>(triangles, {.sampler = light});
+    const auto cubes = build<Cubes>(triangles, {.sampler = light});
     const auto bsp = build<Bsp>(few);
     const auto nested = build<OctreeOfBsps>(few);
     SECTION("z-buffer") {

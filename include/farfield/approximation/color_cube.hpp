@@ -55,11 +55,19 @@ struct ColorCube {
                                               .provides_area_law = true,
                                               .file_tag = 0x43430003u};
 
+    const char* wrong_option() const {
+        if (samples > 8) return "ColorCube: samples must be at most 8";
+        if (inner > Inner::direct || opacity > Opacity::thresholded) return "ColorCube: an option is not in its enum";
+        if (!(coverage_threshold >= 0 && coverage_threshold <= 1))
+            return "ColorCube: coverage_threshold must lie between 0 and 1";
+        return std::isnan(redundancy_tolerance) ? "ColorCube: redundancy_tolerance must not be NaN" : nullptr;
+    }
+
     bool merges_children() const { return inner == Inner::composited; }
 
     template <class Contents, OrthographicSampler Sampler>
     stand_in_draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
-        return samples == 0 ? projected(cell, contents) : sampled(cell, contents, sampler);
+        return samples == 0 ? projected(cell, contents, sampler) : sampled(cell, contents, sampler);
     }
 
     void merge(const Cell&, stand_in_draft& own, std::span<const ChildDraft<stand_in_draft>> children) const {
@@ -209,8 +217,8 @@ struct ColorCube {
         return d;
     }
 
-    template <class Contents>
-    stand_in_draft projected(const Cell& cell, Contents&& contents) const {
+    template <class Contents, class Sampler>
+    stand_in_draft projected(const Cell& cell, Contents&& contents, [[maybe_unused]] const Sampler& sampler) const {
         stand_in_draft d{};
         const float per_unit = 1 / length_unit(cell);
         const glm::vec3 half = cell.half * per_unit;
@@ -223,7 +231,14 @@ struct ColorCube {
             const glm::vec4 premultiplied(glm::vec3(color) * color.w, color.w);
             for (int s = 0; s < 6; ++s) {
                 const float face = 4 * half[(s / 2 + 1) % 3] * half[(s / 2 + 2) % 3];
-                if (face > 0) d[std::size_t(s)] += premultiplied * (0.5f * std::abs(doubled[s / 2]) / face);
+                if (!(face > 0)) continue;
+                glm::vec4 seen = premultiplied;
+                if constexpr (LightsPolygons<Sampler>) {
+                    const bool is_front = (doubled[s / 2] > 0) == (s % 2 == 1);
+                    const float brightness = sampler.brightness(polygon, is_front ? doubled : -doubled);
+                    seen = glm::vec4(glm::vec3(seen) * brightness, seen.w);
+                }
+                d[std::size_t(s)] += seen * (0.5f * std::abs(doubled[s / 2]) / face);
             }
         });
         return d;

@@ -46,6 +46,13 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     static constexpr ApproximationFacts facts{
         .needs_polygons = true, .stands_in = true, .has_pool = true, .bounds_error = true, .file_tag = 0x43430100u + K};
 
+    const char* wrong_option() const {
+        if (samples < 1 || samples > 8) return "ColorCubeCluster: samples must be from 1 to 8";
+        return coverage_threshold >= 0 && coverage_threshold <= 1
+                   ? nullptr
+                   : "ColorCubeCluster: coverage_threshold must lie between 0 and 1";
+    }
+
     template <class Contents, OrthographicSampler Sampler>
     stand_in_draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
         stand_in_draft faces;

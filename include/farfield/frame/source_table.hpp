@@ -14,6 +14,7 @@
 
 #include "farfield/composition.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/frame/baked_light.hpp"
 #include "farfield/geometry/mixed.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/primitive.hpp"
@@ -26,6 +27,7 @@ struct SourceState {
     bool is_uploaded = false;             ///< and has to be released
     std::vector<std::uint32_t> stamps{};  ///< by primitive: the last epoch it was drawn in; shared items only
     std::uint32_t epoch = 0;
+    bool is_open = false;  ///< while what it holds is added
 
     void begin_epoch() {
         if (++epoch != 0) return;
@@ -103,19 +105,24 @@ class SourceTable {
     SourceTable& operator=(const SourceTable&) = delete;
 
     /// A hierarchy, and those of all instances in it. Throws std::invalid_argument if primitives are not those that a
-    /// hierarchy was built from, or do not come in the order that the renderer needs. Takes time in proportion to the
-    /// number of instances, however many hierarchies they hold.
+    /// hierarchy was built from, or do not come in the order that the renderer needs; if stand-ins have another light
+    /// than the renderer; or if a hierarchy holds itself. Takes time in proportion to the number of instances, however
+    /// many hierarchies they hold. `turned` is how the hierarchy lies in the outermost one.
     template <class H, class P>
-    void add_all(const H& h, std::span<const P> primitives) {
+    void add_all(const H& h, std::span<const P> primitives, const glm::mat3& turned = glm::mat3(1.0f)) {
         constexpr const char* who = "farfield::Viewer: the hierarchy";
         check_source(who, h, primitives, R::facts.needs_ordering == OrderGuarantee::primitives);
-        if (has(h, primitives)) return;
+        if (has(h, primitives)) {
+            if (!find(h, primitives).is_open) return;
+            detail::fail<std::invalid_argument>(std::string(who) + " holds an instance of itself");
+        }
         for_instances(primitives, [](const auto& instance, std::size_t i) {
             if (instance.hierarchy != nullptr) return;
             detail::fail<std::invalid_argument>("farfield::Viewer: primitive " + std::to_string(i) +
                                                 " is an instance without a hierarchy");
         });
         check_fingerprint(who, h, primitives);
+        if constexpr (R::facts.tells_light) check_light(who, h, renderer_.light(), turned);
         // References into an unordered_map stay valid while more are added.
         SourceState& state = sources_[SourceKey{&h, primitives.data()}];
         if constexpr (H::assignment == Assignment::shared) state.stamps.assign(primitives.size(), 0);
@@ -123,8 +130,11 @@ class SourceTable {
             state.id = renderer_.upload(source_of(h, primitives, 0));
             state.is_uploaded = true;
         }
-        for_instances(primitives,
-                      [&](const auto& instance, std::size_t) { add_all(*instance.hierarchy, instance.primitives); });
+        state.is_open = true;
+        for_instances(primitives, [&](const auto& instance, std::size_t) {
+            add_all(*instance.hierarchy, instance.primitives, turned * instance.to_world.rotation());
+        });
+        state.is_open = false;
     }
 
     template <class H, class P>

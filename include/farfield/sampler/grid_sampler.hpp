@@ -31,6 +31,8 @@ class GridSampler {
     GridSampler(const DirectionalLight& l)  // NOLINT(google-explicit-constructor): a light is all it needs
         : light(l) {}
 
+    const char* wrong_option() const { return light ? wrong_light(*light) : nullptr; }
+
     /// The factor that the light gives to colors of the side with this normal (any length).
     float brightness(const Polygon& polygon, glm::vec3 facing_viewer) const {
         return light && !polygon.is_lit ? light->brightness(facing_viewer) : 1.0f;
