@@ -35,10 +35,6 @@ struct OpacityTensor {
     bool closed_surfaces = false;
     /// True: areas that hide one another within a cell are counted once. False is for experiments.
     bool counts_overlap = true;
-    /// The area of the rectangle in which leaves are strewn, in parts of that of a rectangle as wide and high (in the
-    /// mean square) as the contents' box. It is below 1 because contents are denser in their middle. More blurs, less
-    /// shrinks outlines.
-    float strewn_over = 0.4f;
     /// Factors of a sheet's opacity: rectangles meet only roughly, and a surplus in one place does not make up for a
     /// gap in another. Sheets smaller than a cell cover too much by the same factor. Closed surfaces need more, as no
     /// back sides close the gaps.
@@ -75,9 +71,7 @@ struct OpacityTensor {
     void merge(const Cell& cell, stand_in_draft& own, std::span<const ChildDraft<stand_in_draft>> children) const {
         const Box bounds = cell.bounds();
         for (const auto& child : children) {
-            AreaSums sums = child.draft->sums;
-            sums.moment += sums.area * (child.cell->center - cell.center);
-            own.sums += sums;
+            own.sums += child.draft->sums.about(cell.center - child.cell->center);
             own.contents.add(child.draft->contents);
             own.masks.add_child(bounds, child.draft->masks, child.cell->bounds());
         }
@@ -128,12 +122,13 @@ struct OpacityTensor {
         if (!(length > 0) || (view.is_perspective && !(view.depth(center) > 0))) return;
         const TensorAppearance::Seen seen = appearance.seen_from(towards / length);
         if (!(seen.area > 0)) return;
-        const glm::vec2 size = appearance.rectangle(center, view, strewn_over);
-        const float part = seen.area * view.stretch(center) / (size.x * size.y);
+        const float area = seen.area * view.stretch(center);
+        const glm::vec2 size = appearance.rectangle(center, view, area);
+        const float part = area / (size.x * size.y);
         const AreaLaw law = appearance.shape.law;
         const float gain = law != AreaLaw::coherent ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
         const glm::vec3 rgb = seen.rgb + 0.5f;
-        sink(Splat{center, size * (tensor_unit(cell) * std::sqrt(std::max(part, 1.0f))), std::min(gain * part, 1.0f),
+        sink(Splat{center, size * tensor_unit(cell), std::min(gain * part, 1.0f),
                    Rgba8{std::uint8_t(rgb.r), std::uint8_t(rgb.g), std::uint8_t(rgb.b), std::uint8_t(law)}});
     }
 

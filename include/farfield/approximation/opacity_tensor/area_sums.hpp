@@ -30,9 +30,18 @@ struct AreaSums {
     glm::vec3 normal{0};      ///< sum of A n
     glm::vec3 along_axes{0};  ///< sum of A |n|: the area seen along each axis if nothing hides anything
     glm::vec3 moment{0};      ///< sum of A times the centroid's distance from the cell's center
+    glm::vec3 squares{0};     ///< integral over A of the squared distances from the cell's center, along each axis
     glm::vec3 color{0};       ///< sum of A times the mean color of both sides (of the front, if surfaces are closed)
     /// Sum of A n times half of the luminance that the front has more than the back (the front's, if they are closed).
     glm::vec3 tone{0};
+
+    /// The same about a center that lies `by` from this one.
+    AreaSums about(glm::vec3 by) const {
+        AreaSums moved = *this;
+        moved.moment -= area * by;
+        moved.squares += by * (area * by - 2.0f * moment);
+        return moved;
+    }
 
     AreaSums& operator+=(const AreaSums& o) {
         for (std::size_t i = 0; i < 6; ++i) tensor[i] += o.tensor[i];
@@ -41,6 +50,7 @@ struct AreaSums {
         normal += o.normal;
         along_axes += o.along_axes;
         moment += o.moment;
+        squares += o.squares;
         color += o.color;
         tone += o.tone;
         return *this;
@@ -149,6 +159,10 @@ struct TensorSums {
         const glm::vec3 from_center =
             (corners[0] - cell.center) + (corners[1] - cell.center) + (corners[2] - cell.center);
         s.moment += (area / 3) * from_center;
+        // Exact for a triangle: quadrature by its corners and its centroid.
+        glm::vec3 squared = from_center * from_center;
+        for (const glm::vec3 p : corners) squared += (p - cell.center) * (p - cell.center);
+        s.squares += (area / 12) * squared;
         s.color += area * surface.rgb;
         s.tone += surface.tone * weighted;
     }
