@@ -82,7 +82,7 @@ struct OpacityTensor {
         if (fit.is_empty()) return {};
         TensorShape s = fit.shape(counts_overlap);
         const TensorAppearance kept = appearance_of(StoredTensor::packed(s));
-        s.error = fit.held_out_error([&](glm::vec3 w) { return kept.seen_from(w).area; });
+        s.error = fit.lost_part([&](glm::vec3 w) { return kept.seen_from(w).area; });
         return StoredTensor::packed(s);
     }
 

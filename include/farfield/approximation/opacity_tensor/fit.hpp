@@ -29,29 +29,29 @@ class TensorFit {
         : sums_(draft.sums), cell_(cell), closed_surfaces_(closed_surfaces), unit_(tensor_unit(cell)) {
         if (is_empty()) return;
         const float per_unit = 1 / unit_, alpha = sums_.area / sums_.opaque_area;
-        box_ = StoredTensor::rounded_extent(draft.contents.size() * per_unit);
+        const glm::vec3 tight = draft.contents.size() * per_unit;
+        box_ = StoredTensor::rounded_extent(tight);
         // Closed surfaces count as they are seen from the end that shows more of them.
         seen_ = closed_surfaces ? 0.5f * (sums_.along_axes + glm::abs(sums_.normal)) : sums_.along_axes;
         seen_ = seen_ * per_unit * per_unit;
-        const Box bounds = cell.bounds();
-        const glm::vec3 tight = draft.contents.size() * per_unit;
-        const glm::ivec3 samples = AxisMasks::samples_within(bounds, draft.contents);
-        for (int axis = 0; axis < 3; ++axis) {
-            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-            outline_[axis] = box_[u] * box_[v];
-            // Of the samples that could have seen something: what is thin may lie between two rows of them.
-            const int within = samples[u] * samples[v];
-            sample_[axis] = within > 0 ? tight[u] * tight[v] / float(within) : 0.0f;
-            covered_[axis] = float(draft.masks.count(axis)) * sample_[axis] * alpha;
-            // Samples of one row see the same.
-            const int across = std::min(samples[u], samples[v]);
-            told_by_[axis] = float(std::min(within, across * across));
+        const glm::ivec3 samples = AxisMasks::samples_within(cell.bounds(), draft.contents);
+        for (int view = 0; view < (is_cube() ? AxisMasks::views : 3); ++view) {
+            Seen& seen = views_[std::size_t(view)];
+            float sample = AxisMasks::sample_area(view);
+            if (view < 3) {
+                const int u = (view + 1) % 3, v = (view + 2) % 3, within = samples[u] * samples[v];
+                outline_[view] = box_[u] * box_[v];
+                // Of the samples that could have seen something: what is thin may lie between two rows of them.
+                sample = within > 0 ? tight[u] * tight[v] / float(within) : 0.0f;
+                // Those of one row see the same.
+                const int across = std::min(samples[u], samples[v]);
+                seen.samples = float(std::min(within, across * across));
+            } else {
+                seen.samples = glm::dot(AxisMasks::direction(view), glm::abs(outline_)) / sample;
+            }
+            seen.covered = float(draft.masks.count(view)) * sample * alpha;
         }
         extent_ = spread(tight);
-        for (std::size_t i = 0; i < held_out_.size(); ++i) {
-            const int view = 3 + int(i);
-            held_out_[i] = float(draft.masks.count(view)) * AxisMasks::sample_area(view) * alpha;
-        }
     }
 
     /// True where single precision cannot tell the areas from 0, or from infinity.
@@ -73,8 +73,7 @@ class TensorFit {
         // Cauchy: the mean over all directions is half of the areas' sum.
         const float scale = 0.5f / mean_area(root_of(t)) * area;
         const glm::vec3 facing = closed_surfaces_ ? sums_.normal / sums_.area * area : glm::vec3(0);
-        const glm::vec3 kept = !counts_overlap                ? glm::vec3(1)
-                                                            : fitted(s, t, scale, facing);
+        const glm::vec3 kept = counts_overlap ? counted_once(s, t, scale, facing) : glm::vec3(1);
         constexpr std::array<int, 6> row{0, 1, 2, 1, 2, 2}, column{0, 0, 0, 1, 1, 2};
         for (std::size_t i = 0; i < 6; ++i) t[i] *= kept[row[i]] * kept[column[i]];
         s.root = root_of(t);
@@ -84,20 +83,23 @@ class TensorFit {
         return s;
     }
 
-    /// The mean error of covered(w) along the diagonals, which nothing was fitted to, in parts of the area that the
-    /// contents' box shows there: 0 to 1. It is 1 where bounds are not cubes: masks do not know their diagonals.
+    /// How much of the contents covered(w) loses or makes up: what it is off the masks, beyond their own noise, in
+    /// parts of what is covered; 0 to 1. It is 1 where bounds are not cubes: masks do not know their diagonals.
     template <class Covered>
-    float held_out_error(Covered&& covered) const {
-        const glm::vec3 half = cell_.bounds_half;
-        if (half.x != half.y || half.x != half.z) return 1;
-        float sum = 0;
-        for (std::size_t i = 0; i < held_out_.size(); ++i) {
-            const glm::vec3 w = AxisMasks::direction(3 + int(i));
+    float lost_part(Covered&& covered) const {
+        if (!is_cube()) return 1;
+        float off = 0, sum = 0;
+        for (int view = 0; view < AxisMasks::views; ++view) {
+            const Seen& seen = views_[std::size_t(view)];
+            if (!(seen.samples >= 1)) continue;
+            const glm::vec3 w = AxisMasks::direction(view);
             // A mask does not know from which end it is seen.
-            const float off = 0.5f * (covered(w) + covered(-w)) - held_out_[i];
-            sum += std::min(std::abs(off) / glm::dot(glm::abs(w), outline_), 1.0f);
+            const float found = 0.5f * (covered(w) + covered(-w));
+            const float outline = std::max(glm::dot(glm::abs(w), outline_), seen.covered);
+            off += std::max(std::abs(found - seen.covered) - outline * seen.noise(seen.covered / outline), 0.0f);
+            sum += std::max(found, seen.covered);
         }
-        return sum / float(held_out_.size());
+        return sum > 0 ? off / sum : 0.0f;
     }
 
     /// Flat contents are coherent. All others get the law by which their areas cover the samples that the masks found
@@ -112,10 +114,11 @@ class TensorFit {
         for (const AreaLaw law : {AreaLaw::independent, AreaLaw::mixed, AreaLaw::coherent}) {
             float sum = 0;
             for (int axis = 0; axis < 3; ++axis) {
-                if (!(told_by_[axis] > 0)) continue;
-                const float part = covered_[axis] / outline_[axis];
+                const Seen& seen = views_[std::size_t(axis)];
+                if (!(seen.samples >= 1)) continue;
+                const float part = seen.covered / outline_[axis];
                 const float off = 1 - transmitted(1, seen_[axis] / outline_[axis], law) - part;
-                const float variance = part * std::max(1 - part, 0.0f) / told_by_[axis];
+                const float variance = part * std::max(1 - part, 0.0f) / seen.samples;
                 sum += outline_[axis] * (off * off + (law == AreaLaw::independent ? 0.0f : variance));
             }
             if (sum <= least) {  // of equals the one that closes, as for contents that are covered many times
@@ -160,6 +163,21 @@ class TensorFit {
     }
 
   private:
+    /// What a mask tells.
+    struct Seen {
+        float covered = 0;  ///< area, each place once
+        float samples = 0;  ///< that do not depend on one another; below 1 it tells nothing
+        /// The deviation of a part that is covered.
+        float noise(float part) const {
+            return std::sqrt((std::max(part * (1 - part), 0.0f) + 0.5f / samples) / samples);
+        }
+    };
+
+    bool is_cube() const {
+        const glm::vec3 half = cell_.bounds_half;
+        return half.x == half.y && half.x == half.z;
+    }
+
     /// Sides of the box in which areas that are strewn evenly have the contents' variance, and in which there is room
     /// for what the masks found covered.
     glm::vec3 spread(glm::vec3 tight) const {
@@ -170,76 +188,67 @@ class TensorFit {
         glm::vec3 e = even;
         for (int axis = 0; axis < 3; ++axis) {
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-            const float area = even[u] * even[v];
-            if (!(area < covered_[axis])) continue;
-            const float grown = area > 0 ? std::sqrt(covered_[axis] / area) : std::numeric_limits<float>::infinity();
+            const float area = even[u] * even[v], covered = views_[std::size_t(axis)].covered;
+            if (!(area > 0 && covered > area)) continue;
+            const float grown = std::sqrt(covered / area);
             e[u] = std::max(e[u], std::min(even[u] * grown, tight[u]));
             e[v] = std::max(e[v], std::min(even[v] * grown, tight[v]));
         }
         return StoredTensor::rounded_extent(e);
     }
 
-    /// The factors along the axes with which what is strewn covers as much as the masks saw covered from three axes and
-    /// two diagonals: least squares of the areas' logarithms, each weighted by how well its samples tell the area.
-    glm::vec3 fitted(const TensorShape& s, const std::array<float, 6>& t, float scale, glm::vec3 facing) const {
-        const bool is_cube = cell_.bounds_half.x == cell_.bounds_half.y && cell_.bounds_half.x == cell_.bounds_half.z;
+    /// Factors along the axes with which the shape covers as much as the masks saw covered, from three axes and two
+    /// diagonals: least squares of the areas' logarithms (Gauss and Newton's steps), each weighted by how well its
+    /// samples tell it. `t` is the tensor, of which `scale` times the root is the area seen.
+    glm::vec3 counted_once(const TensorShape& s, const std::array<float, 6>& t, float scale, glm::vec3 facing) const {
+        struct Target {
+            glm::vec3 w;
+            float area, weight;
+            bool is_least;  ///< all is covered: by how much more than once cannot be seen
+        };
+        std::array<Target, AxisMasks::views> targets;
+        std::size_t count = 0;
+        for (int view = 0; view < AxisMasks::views; ++view) {
+            const Seen& seen = views_[std::size_t(view)];
+            if (!(seen.samples >= 1)) continue;
+            const glm::vec3 w = AxisMasks::direction(view);
+            const float outline = s.outline_from(w), sample = 0.5f / seen.samples;
+            const float part = std::min(seen.covered / outline, 1 - sample);
+            const float area = std::max(area_of(part, s.law), sample);
+            // That of the area's logarithm; a tenth is what the shape itself may be off.
+            const float noise = seen.noise(part) * slope_of_area(part, s.law) / area;
+            targets[count++] = {w, area * outline, 1 / (noise * noise + 0.01f), part > 1 - 3 * sample};
+        }
+        // A sheet that stays too small is closed by its gain; leaves may have more than there is, as others have less.
+        const float most = s.law == AreaLaw::coherent && !closed_surfaces_ ? 0.0f : 0.7f;
         glm::vec3 log_kept(0);
-        for (int iteration = 0; iteration < 4; ++iteration) {
+        for (int step = 0; step < 4; ++step) {
             const glm::vec3 kept = glm::exp(log_kept);
-            // Normal equations; that nothing is hidden counts as one measurement, give or take a factor of e.
+            // That nothing is hidden counts as one measurement, give or take a factor of e.
             glm::mat3 matrix(1);
             glm::vec3 right = -log_kept;
-            for (int view = 0; view < (is_cube ? AxisMasks::views : 3); ++view) {
-                const glm::vec3 w = AxisMasks::direction(view), u = w * kept;
+            for (std::size_t i = 0; i < count; ++i) {
+                const glm::vec3 u = targets[i].w * kept;
                 const glm::vec3 tu(t[0] * u.x + t[1] * u.y + t[2] * u.z, t[1] * u.x + t[3] * u.y + t[4] * u.z,
                                    t[2] * u.x + t[4] * u.y + t[5] * u.z);
                 const float squared = glm::dot(u, tu);
                 if (!(squared > 1e-4f)) continue;  // edge-on
-                const float both = std::sqrt(squared), ends = glm::dot(facing, u);
-                float area = scale * both;
-                glm::vec3 slope = u * tu * (scale / both);
+                const float root = std::sqrt(squared), ends = glm::dot(facing, u);
+                float area = scale * root;
+                glm::vec3 slope = u * tu * (scale / root);
                 if (closed_surfaces_) {
                     area = 0.5f * (area + std::abs(ends));
-                    slope = 0.5f * (slope + (ends < 0 ? -facing * u : facing * u));
+                    slope = 0.5f * (slope + (ends < 0 ? -facing : facing) * u);
                 }
+                if (targets[i].is_least && area > targets[i].area) continue;
                 slope = slope / area;
-                const float outline = s.outline_from(w), covered = view < 3 ? covered_[view] : held_out_[std::size_t(view - 3)];
-                const float samples = view < 3 ? told_by_[view] : outline / AxisMasks::sample_area(view);
-                if (!(samples >= 1)) continue;
-                const float part = covered / outline, most = 1 - 0.5f / samples;
-                const float open = 1 - std::min(part, most);
-                const float target = area_of(1 - open, s.law) * outline;
-                // All is covered, and by how much more cannot be seen.
-                if (part > 1 - 1.5f / samples && area > target) continue;
-                const float steep = s.law == AreaLaw::independent ? 1 / open : s.law == AreaLaw::mixed ? 2 / (1 + open) : 1.0f;
-                const float step = steep * outline / std::max(target, 0.5f * outline / samples);
-                const float variance = (open * (1 - open) + 0.5f / samples) / samples * (step * step) + 0.01f;
-                const float weight = 1 / variance;
-                const float off = std::log(std::max(target, 0.5f * outline / samples) / area);
-                for (int i = 0; i < 3; ++i) matrix[i] += weight * slope * slope[i];
-                right += weight * off * slope;
+                const float weight = targets[i].weight;
+                for (int column = 0; column < 3; ++column) matrix[column] += weight * slope[column] * slope;
+                right += weight * std::log(targets[i].area / area) * slope;
             }
-            log_kept = glm::clamp(log_kept + glm::inverse(matrix) * right, -4.0f, s.law == AreaLaw::coherent && !closed_surfaces_ ? 0.0f : 0.7f);
+            log_kept = glm::clamp(log_kept + glm::inverse(matrix) * right, -4.0f, most);
         }
         return glm::exp(log_kept);
-    }
-
-    /// The part of the area along each axis with which the law covers as much as the masks saw covered.
-    glm::vec3 counted_once(AreaLaw law) const {
-        glm::vec3 kept(1);
-        for (int axis = 0; axis < 3; ++axis) {
-            if (!(sample_[axis] > 0)) continue;
-            const float opacity = std::min(covered_[axis] / outline_[axis], 1 - 0.5f * sample_[axis] / outline_[axis]);
-            const float fitting = area_of(opacity, law) * outline_[axis];
-            const float prior = sample_[axis];  // point samples of little are noise
-            // More area than there is means too few samples. Leaves may have it, since others have less; a sheet that
-            // stays too small is closed by its gain.
-            const float most = law == AreaLaw::coherent && !closed_surfaces_ ? 1.0f : 1.25f;
-            kept[axis] = std::min((fitting + prior) / (seen_[axis] + prior), most);
-            // More than enough from here may be just enough from elsewhere: a blind's slats.
-            if (law == AreaLaw::coherent && opacity > 0.9f) kept[axis] = std::max(kept[axis], 1.0f);
-        }
-        return kept;
     }
 
     /// The area that has this opacity by a law.
@@ -255,18 +264,19 @@ class TensorFit {
         return opacity;
     }
 
+    static float slope_of_area(float opacity, AreaLaw law) {
+        return law == AreaLaw::independent ? 1 / (1 - opacity) : law == AreaLaw::mixed ? 2 / (2 - opacity) : 1.0f;
+    }
+
     const AreaSums& sums_;
     const Cell& cell_;
     bool closed_surfaces_;
     float unit_;
-    glm::vec3 box_{0};                                    ///< sides of the contents' box
-    glm::vec3 extent_{0};                                 ///< of that in which they are strewn
-    glm::vec3 sample_{0};                                 ///< area of one sample, along each axis
-    glm::vec3 told_by_{0};                                ///< samples that do not depend on one another, along each axis
-    glm::vec3 seen_{0};                                   ///< along each axis, if nothing hid anything
-    glm::vec3 outline_{0};                                ///< of the contents' box
-    glm::vec3 covered_{0};                                ///< area that the masks found covered, along each axis
-    std::array<float, AxisMasks::views - 3> held_out_{};  ///< the same along diagonals
+    glm::vec3 box_{0};      ///< sides of the contents' box
+    glm::vec3 extent_{0};   ///< and of the box in which they are strewn
+    glm::vec3 seen_{0};     ///< along each axis, if nothing hid anything
+    glm::vec3 outline_{0};  ///< of the contents' box
+    std::array<Seen, AxisMasks::views> views_{};
 };
 
 }  // namespace farfield
