@@ -184,7 +184,7 @@ class TensorFit {
         const float per_area = 1 / sums_.area;
         const glm::vec3 mean = sums_.moment * per_area;
         const glm::vec3 variance = glm::max(sums_.squares * per_area - mean * mean, glm::vec3(0));
-        const glm::vec3 even = glm::min(glm::sqrt(12.0f * variance) / unit_, tight);
+        const glm::vec3 even = glm::sqrt(glm::min(glm::sqrt(12.0f * variance) / unit_, tight) * tight);
         glm::vec3 e = even;
         for (int axis = 0; axis < 3; ++axis) {
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
