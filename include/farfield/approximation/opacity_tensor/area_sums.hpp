@@ -30,8 +30,10 @@ struct AreaSums {
     glm::vec3 normal{0};      ///< sum of A n
     glm::vec3 along_axes{0};  ///< sum of A |n|: the area seen along each axis if nothing hides anything
     glm::vec3 moment{0};      ///< sum of A times the centroid's distance from the cell's center
-    glm::vec3 squares{0};     ///< integral over A of the squared distances from the cell's center, along each axis
-    glm::vec3 color{0};       ///< sum of A times the mean color of both sides (of the front, if surfaces are closed)
+    /// Integral over A of the squared distances from the cell's center, along each axis: a length to the fourth power,
+    /// which leaves single precision long before the area does.
+    glm::dvec3 squares{0};
+    glm::vec3 color{0};  ///< sum of A times the mean color of both sides (of the front, if surfaces are closed)
     /// Sum of A n times half of the luminance that the front has more than the back (the front's, if they are closed).
     glm::vec3 tone{0};
 
@@ -39,7 +41,7 @@ struct AreaSums {
     AreaSums about(glm::vec3 by) const {
         AreaSums moved = *this;
         moved.moment -= area * by;
-        moved.squares += by * (area * by - 2.0f * moment);
+        moved.squares += glm::dvec3(by) * (double(area) * glm::dvec3(by) - 2.0 * glm::dvec3(moment));
         return moved;
     }
 
@@ -160,9 +162,12 @@ struct TensorSums {
             (corners[0] - cell.center) + (corners[1] - cell.center) + (corners[2] - cell.center);
         s.moment += (area / 3) * from_center;
         // Exact for a triangle: quadrature by its corners and its centroid.
-        glm::vec3 squared = from_center * from_center;
-        for (const glm::vec3 p : corners) squared += (p - cell.center) * (p - cell.center);
-        s.squares += (area / 12) * squared;
+        glm::dvec3 squared = glm::dvec3(from_center) * glm::dvec3(from_center);
+        for (const glm::vec3 p : corners) {
+            const glm::dvec3 off(p - cell.center);
+            squared += off * off;
+        }
+        s.squares += double(area / 12) * squared;
         s.color += area * surface.rgb;
         s.tone += surface.tone * weighted;
     }

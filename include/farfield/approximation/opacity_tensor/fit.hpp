@@ -35,14 +35,18 @@ class TensorFit {
         seen_ = closed_surfaces ? 0.5f * (sums_.along_axes + glm::abs(sums_.normal)) : sums_.along_axes;
         seen_ = seen_ * per_unit * per_unit;
         const glm::ivec3 samples = AxisMasks::samples_within(cell.bounds(), draft.contents);
+        glm::vec3 apart = cell.bounds_half * (2 * per_unit / float(AxisMasks::side));
+        for (int axis = 0; axis < 3; ++axis) {
+            // What is thin may lie between two rows of samples: a few share the width of what they could have seen.
+            if (samples[axis] < 8) apart[axis] = samples[axis] > 0 ? tight[axis] / float(samples[axis]) : 0.0f;
+        }
         for (int view = 0; view < (is_cube() ? AxisMasks::views : 3); ++view) {
             Seen& seen = views_[std::size_t(view)];
             float sample = AxisMasks::sample_area(view);
             if (view < 3) {
                 const int u = (view + 1) % 3, v = (view + 2) % 3, within = samples[u] * samples[v];
                 outline_[view] = box_[u] * box_[v];
-                // Of the samples that could have seen something: what is thin may lie between two rows of them.
-                sample = within > 0 ? tight[u] * tight[v] / float(within) : 0.0f;
+                sample = apart[u] * apart[v];
                 // Those of one row see the same.
                 const int across = std::min(samples[u], samples[v]);
                 seen.samples = float(std::min(within, across * across));
@@ -68,8 +72,7 @@ class TensorFit {
         s.rgb = sums_.color / sums_.area;
         // Scaled to a sum of areas of 1: squares of small ones are too small for single precision.
         const float area = sums_.area / unit_ / unit_, mean_luminance = detail::luminance(s.rgb);
-        std::array<float, 6> t;
-        for (std::size_t i = 0; i < 6; ++i) t[i] = sums_.tensor[i] / sums_.area;
+        std::array<float, 6> t = per_area(sums_.tensor);
         // Cauchy: the mean over all directions is half of the areas' sum.
         const float scale = 0.5f / mean_area(root_of(t)) * area;
         const glm::vec3 facing = closed_surfaces_ ? sums_.normal / sums_.area * area : glm::vec3(0);
@@ -105,10 +108,7 @@ class TensorFit {
     /// Flat contents are coherent. All others get the law by which their areas cover the samples that the masks found
     /// covered. Where samples are too few to tell, contents count as strewn: leaves that are called a sheet thicken.
     AreaLaw fitting_law() const {
-        TensorShape shape;
-        for (std::size_t i = 0; i < 6; ++i) shape.root[i] = sums_.tensor[i] / sums_.area;
-        shape.root = root_of(shape.root);
-        if (shape.sheet_normal() != glm::vec3(0)) return AreaLaw::coherent;
+        if (normal_of(per_area(sums_.tensor)) != glm::vec3(0)) return AreaLaw::coherent;
         AreaLaw best = AreaLaw::independent;
         float least = std::numeric_limits<float>::infinity();
         for (const AreaLaw law : {AreaLaw::independent, AreaLaw::mixed, AreaLaw::coherent}) {
@@ -178,21 +178,31 @@ class TensorFit {
         return half.x == half.y && half.x == half.z;
     }
 
+    std::array<float, 6> per_area(std::array<float, 6> sum) const {
+        for (float& v : sum) v /= sums_.area;
+        return sum;
+    }
+    static glm::vec3 normal_of(const std::array<float, 6>& tensor) {
+        TensorShape shape;
+        shape.root = root_of(tensor);
+        return shape.sheet_normal();
+    }
+
     /// Sides of the box in which areas that are strewn evenly have the contents' variance, and in which there is room
     /// for what the masks found covered.
     glm::vec3 spread(glm::vec3 tight) const {
-        const float per_area = 1 / sums_.area;
-        const glm::vec3 mean = sums_.moment * per_area;
-        const glm::vec3 variance = glm::max(sums_.squares * per_area - mean * mean, glm::vec3(0));
-        const glm::vec3 even = glm::sqrt(glm::min(glm::sqrt(12.0f * variance) / unit_, tight) * tight);
-        glm::vec3 e = even;
+        const glm::dvec3 mean = glm::dvec3(sums_.moment) / double(sums_.area);
+        const glm::dvec3 variance = glm::max(sums_.squares / double(sums_.area) - mean * mean, glm::dvec3(0));
+        const glm::vec3 even = glm::min(glm::vec3(glm::sqrt(12.0 * variance) / double(unit_)), tight);
+        const glm::vec3 between = glm::sqrt(even * tight);
+        glm::vec3 e = between;
         for (int axis = 0; axis < 3; ++axis) {
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-            const float area = even[u] * even[v], covered = views_[std::size_t(axis)].covered;
+            const float area = between[u] * between[v], covered = views_[std::size_t(axis)].covered;
             if (!(area > 0 && covered > area)) continue;
             const float grown = std::sqrt(covered / area);
-            e[u] = std::max(e[u], std::min(even[u] * grown, tight[u]));
-            e[v] = std::max(e[v], std::min(even[v] * grown, tight[v]));
+            e[u] = std::max(e[u], std::min(between[u] * grown, tight[u]));
+            e[v] = std::max(e[v], std::min(between[v] * grown, tight[v]));
         }
         return StoredTensor::rounded_extent(e);
     }
@@ -208,7 +218,10 @@ class TensorFit {
         };
         std::array<Target, AxisMasks::views> targets;
         std::size_t count = 0;
-        for (int view = 0; view < AxisMasks::views; ++view) {
+        // Sheets that close an axis may do so just from elsewhere, as a blind's slats do: between the axes nothing is
+        // taken away from them.
+        const bool is_coherent = s.law == AreaLaw::coherent, is_flat = is_coherent && normal_of(t) != glm::vec3(0);
+        for (int view = 0; view < (is_flat ? 3 : AxisMasks::views); ++view) {
             const Seen& seen = views_[std::size_t(view)];
             if (!(seen.samples >= 1)) continue;
             const glm::vec3 w = AxisMasks::direction(view);
@@ -217,10 +230,11 @@ class TensorFit {
             const float area = std::max(area_of(part, s.law), sample);
             // That of the area's logarithm; a tenth is what the shape itself may be off.
             const float noise = seen.noise(part) * slope_of_area(part, s.law) / area;
-            targets[count++] = {w, area * outline, 1 / (noise * noise + 0.01f), part > 1 - 3 * sample};
+            targets[count++] = {w, area * outline, 1 / (noise * noise + 0.01f),
+                                part > (is_coherent ? 0.9f : 1 - 3 * sample)};
         }
         // A sheet that stays too small is closed by its gain; leaves may have more than there is, as others have less.
-        const float most = s.law == AreaLaw::coherent && !closed_surfaces_ ? 0.0f : 0.7f;
+        const float most = is_coherent && !closed_surfaces_ ? 0.0f : 0.7f;
         glm::vec3 log_kept(0);
         for (int step = 0; step < 4; ++step) {
             const glm::vec3 kept = glm::exp(log_kept);
