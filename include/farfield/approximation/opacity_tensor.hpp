@@ -35,10 +35,6 @@ struct OpacityTensor {
     bool closed_surfaces = false;
     /// True: areas that hide one another within a cell are counted once. False is for experiments.
     bool counts_overlap = true;
-    /// The area of the rectangle in which leaves are strewn, in parts of that of a rectangle as wide and high (in the
-    /// mean square) as the contents' box. It is below 1 because contents are denser in their middle. More blurs, less
-    /// shrinks outlines.
-    float strewn_over = 0.4f;
     /// Factors of a sheet's opacity: rectangles meet only roughly, and a surplus in one place does not make up for a
     /// gap in another. Sheets smaller than a cell cover too much by the same factor. Closed surfaces need more, as no
     /// back sides close the gaps.
@@ -76,9 +72,8 @@ struct OpacityTensor {
         const Box bounds = cell.bounds();
         const float ordinary = cell.to_ordinary();
         for (const auto& child : children) {
-            TensorSums draft = child.draft->scaled(ordinary / child.cell->to_ordinary());
-            draft.sums.moment += draft.sums.area * ((child.cell->center - cell.center) * ordinary);
-            own.sums += draft.sums;
+            const TensorSums draft = child.draft->scaled(ordinary / child.cell->to_ordinary());
+            own.sums += draft.sums.about((cell.center - child.cell->center) * ordinary);
             own.contents.add(draft.contents);
             own.masks.add_child(bounds, draft.masks, child.cell->bounds());
         }
@@ -90,7 +85,7 @@ struct OpacityTensor {
         if (fit.is_empty()) return {};
         TensorShape s = fit.shape(counts_overlap);
         const TensorAppearance kept = appearance_of(StoredTensor::packed(s));
-        s.error = fit.held_out_error([&](glm::vec3 w) { return kept.seen_from(w).area; });
+        s.error = fit.lost_part([&](glm::vec3 w) { return kept.seen_from(w).area; });
         return StoredTensor::packed(s);
     }
 
@@ -130,12 +125,13 @@ struct OpacityTensor {
         if (!(length > 0) || (view.is_perspective && !(view.depth(center) > 0))) return;
         const TensorAppearance::Seen seen = appearance.seen_from(towards / length);
         if (!(seen.area > 0)) return;
-        const glm::vec2 size = appearance.rectangle(center, view, strewn_over);
-        const float part = seen.area * view.stretch(center) / (size.x * size.y);
+        const float area = seen.area * view.stretch(center);
+        const glm::vec2 size = appearance.rectangle(center, view, area);
+        const float part = area / (size.x * size.y);
         const AreaLaw law = appearance.shape.law;
         const float gain = law != AreaLaw::coherent ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
         const glm::vec3 rgb = seen.rgb + 0.5f;
-        sink(Splat{center, size * (tensor_unit(cell) * std::sqrt(std::max(part, 1.0f))), std::min(gain * part, 1.0f),
+        sink(Splat{center, size * tensor_unit(cell), std::min(gain * part, 1.0f),
                    Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});
     }
 

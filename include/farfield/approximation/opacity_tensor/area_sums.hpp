@@ -31,7 +31,10 @@ struct AreaSums {
     glm::vec3 normal{0};      ///< sum of A n
     glm::vec3 along_axes{0};  ///< sum of A |n|: the area seen along each axis if nothing hides anything
     glm::vec3 moment{0};      ///< sum of A times the centroid's distance from the cell's center
-    glm::vec3 color{0};       ///< sum of A times the mean color of both sides (of the front, if surfaces are closed)
+    /// Integral over A of the squared distances from the cell's center, along each axis: a length to the fourth power,
+    /// which leaves single precision long before the area does.
+    glm::dvec3 squares{0};
+    glm::vec3 color{0};  ///< sum of A times the mean color of both sides (of the front, if surfaces are closed)
     /// Sum of A n times half of the luminance that the front has more than the back (the front's, if they are closed).
     glm::vec3 tone{0};
 
@@ -43,7 +46,15 @@ struct AreaSums {
         for (float* v : {&s.area, &s.opaque_area}) *v *= areas;
         for (glm::vec3* v : {&s.normal, &s.along_axes, &s.color, &s.tone}) *v *= areas;
         s.moment *= areas * factor;
+        s.squares *= double(areas) * double(areas);
         return s;
+    }
+    /// The same about a center that lies `by` from this one.
+    AreaSums about(glm::vec3 by) const {
+        AreaSums moved = *this;
+        moved.moment -= area * by;
+        moved.squares += glm::dvec3(by) * (double(area) * glm::dvec3(by) - 2.0 * glm::dvec3(moment));
+        return moved;
     }
 
     AreaSums& operator+=(const AreaSums& o) {
@@ -53,6 +64,7 @@ struct AreaSums {
         normal += o.normal;
         along_axes += o.along_axes;
         moment += o.moment;
+        squares += o.squares;
         color += o.color;
         tone += o.tone;
         return *this;
@@ -169,6 +181,13 @@ struct TensorSums {
         const glm::vec3 from_center =
             (corners[0] - cell.center) + (corners[1] - cell.center) + (corners[2] - cell.center);
         s.moment += (area / 3) * from_center;
+        // Exact for a triangle: quadrature by its corners and its centroid.
+        glm::dvec3 squared = glm::dvec3(from_center) * glm::dvec3(from_center);
+        for (const glm::vec3 p : corners) {
+            const glm::dvec3 off(p - cell.center);
+            squared += off * off;
+        }
+        s.squares += double(area / 12) * squared;
         s.color += area * surface.rgb;
         s.tone += surface.tone * weighted;
     }
