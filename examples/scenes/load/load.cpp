@@ -78,12 +78,20 @@ std::filesystem::path unpacked_name(const std::filesystem::path& file) {
     return lower(file.extension().string()) == ".gz" ? file.stem() : file.filename();
 }
 
-constexpr std::pair<std::string_view, Format> extensions[] = {
-    {".off", Format::off},          {".oogl", Format::off},         {".ply", Format::ply},
-    {".obj", Format::obj},          {".gltf", Format::gltf},        {".glb", Format::gltf},
-    {".pdb", Format::pdb},          {".ent", Format::pdb},          {".xyz", Format::xyz},
-    {".dump", Format::lammps_dump}, {".lammpstrj", Format::lammps_dump}, {".data", Format::lammps_data},
-    {".lmp", Format::lammps_data},  {".csv", Format::height_field}};
+constexpr std::pair<std::string_view, Format> extensions[] = {{".off", Format::off},
+                                                              {".oogl", Format::off},
+                                                              {".ply", Format::ply},
+                                                              {".obj", Format::obj},
+                                                              {".gltf", Format::gltf},
+                                                              {".glb", Format::gltf},
+                                                              {".pdb", Format::pdb},
+                                                              {".ent", Format::pdb},
+                                                              {".xyz", Format::xyz},
+                                                              {".dump", Format::lammps_dump},
+                                                              {".lammpstrj", Format::lammps_dump},
+                                                              {".data", Format::lammps_data},
+                                                              {".lmp", Format::lammps_data},
+                                                              {".csv", Format::height_field}};
 
 std::optional<Format> format_named(std::string_view extension) {
     for (const auto& [name, format] : extensions) {
