@@ -64,10 +64,9 @@ std::string lower_extension(const std::filesystem::path& file) {
 }
 
 Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
-    const auto loaded = [](detail::Triangles triangles, bool lit = false) {
+    const auto loaded = [](detail::Triangles triangles) {
         Loaded l;
         l.triangles = std::move(triangles);
-        l.lit = lit;
         return l;
     };
     const std::string extension = lower_extension(file);
@@ -76,12 +75,13 @@ Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
     if (is(".ply")) return loaded(detail::read_ply(detail::read_file(file)));
     if (is(".obj")) return loaded(detail::read_with_assimp(file));
     if (is(".gltf", ".glb")) return detail::read_gltf(file, options);
-    if (is(".pdb", ".ent")) return loaded(detail::read_pdb(detail::read_file(file), options), true);
-    if (is(".xyz")) return loaded(detail::read_xyz(detail::read_file(file), options), true);
-    if (is(".dump", ".lammpstrj")) return loaded(detail::read_lammps_dump(detail::read_file(file), options), true);
-    if (is(".data", ".lmp")) return loaded(detail::read_lammps_data(detail::read_file(file), options), true);
+    if (is(".pdb", ".ent")) return detail::read_pdb(detail::read_file(file), options);
+    if (is(".cif", ".mmcif")) return detail::read_mmcif(detail::read_file(file), options);
+    if (is(".xyz")) return detail::read_xyz(detail::read_file(file), options);
+    if (is(".dump", ".lammpstrj")) return detail::read_lammps_dump(detail::read_file(file), options);
+    if (is(".data", ".lmp")) return detail::read_lammps_data(detail::read_file(file), options);
     throw std::runtime_error("unknown extension " + detail::in_quotes(extension) +
-                             "; known are .off .oogl .ply .obj .gltf .glb .pdb .ent .xyz .dump .lammpstrj "
+                             "; known are .off .oogl .ply .obj .gltf .glb .pdb .ent .cif .mmcif .xyz .dump .lammpstrj "
                              ".data .lmp");
 }
 
@@ -108,7 +108,7 @@ Scene load(const std::filesystem::path& file, const LoadOptions& options) {
     } catch (const std::exception& error) {
         throw fail(error.what());
     }
-    if (loaded.triangles.empty()) throw fail(loaded.lit ? "has no atoms" : "has no triangles");
+    if (loaded.triangles.empty()) throw fail("has no triangles");
     if (options.bake_light && !loaded.lit) {
         for (VertexColoredTriangle& triangle : loaded.triangles) detail::bake_light(triangle);
     }

@@ -30,10 +30,11 @@ Triangles read_ply(std::string_view bytes);
 Triangles read_with_assimp(const std::filesystem::path& file);
 /// Opens files that lie beside it.
 Loaded read_gltf(const std::filesystem::path& file, const LoadOptions& options);
-Triangles read_pdb(std::string_view text, const LoadOptions& options);
-Triangles read_xyz(std::string_view text, const LoadOptions& options);
-Triangles read_lammps_dump(std::string_view text, const LoadOptions& options);
-Triangles read_lammps_data(std::string_view text, const LoadOptions& options);
+Loaded read_pdb(std::string_view text, const LoadOptions& options);
+Loaded read_mmcif(std::string_view text, const LoadOptions& options);
+Loaded read_xyz(std::string_view text, const LoadOptions& options);
+Loaded read_lammps_dump(std::string_view text, const LoadOptions& options);
+Loaded read_lammps_data(std::string_view text, const LoadOptions& options);
 
 /// Multiplies the colors by the light that falls on the triangle; keeps alpha.
 void bake_light(VertexColoredTriangle& triangle);
