@@ -179,7 +179,7 @@ TEST_CASE("models and frames that are not drawn are counted", "[scenes][load]") 
     const Scene models = read("a.pdb", "MODEL        1\n" + nitrogen + "ENDMDL\nMODEL        2\n" + nitrogen + calcium +
                                            "ENDMDL\nMODEL        3\n" + calcium + "ENDMDL\n");
     CHECK(atoms(models) == 1);
-    CHECK(models.notes == std::vector<std::string>{"the first of 3 models is drawn; 3 atoms of the others are not"});
+    CHECK(models.notes == std::vector<std::string>{"the first of 3 models is drawn; atoms of the others left out: 3"});
     CHECK(read("a.pdb", nitrogen + calcium).notes.empty());
     CHECK(read("a.xyz", "1\n\nO 0 0 0\n1\n\nO 1 1 1\n\n1\n\nO 2 2 2\n").notes ==
           std::vector<std::string>{"the first of 3 frames is drawn"});
@@ -209,7 +209,7 @@ TEST_CASE("mmCIF: the loop of atoms by the names of its columns", "[scenes][load
     CHECK(glm::length(center(scene, 2) - glm::vec3(7, 8, 9)) < 1e-4f);
     CHECK(color(scene, 0) == find_element("C")->color);
     CHECK(color(scene, 1) == find_element("Ca")->color);
-    CHECK(scene.notes == std::vector<std::string>{"the first of 2 models is drawn; 1 atoms of the others are not"});
+    CHECK(scene.notes == std::vector<std::string>{"the first of 2 models is drawn; atoms of the others left out: 1"});
     CHECK(contains(failure("a.cif", ""), "empty"));
     CHECK(contains(failure("a.cif", head), "no loop of _atom_site"));
     CHECK(contains(failure("a.cif", "data_x\nloop_\n_atom_site_label\n_atom_site_fract_x\nC 0.5\n"),
@@ -247,8 +247,9 @@ TEST_CASE("LAMMPS dump: boxes by their edges, type labels, diameters", "[scenes]
         read("a.dump", head +
                            "ITEM: BOX BOUNDS abc origin pp pp pp\n0 10 0 100\n-5 0 0 200\n1 1 2 300\n"
                            "ITEM: ATOMS id typelabel xs ys zs diameter\n1 N 0.5 0.2 1 0.5\n2 Q 0 0 0 1\n");
-    CHECK(glm::length(center(general, 0) - glm::vec3(100 - 1 + 1, 200 + 5 + 1, 302)) < 1e-3f);
-    CHECK(glm::length(center(general, 1) - glm::vec3(100, 200, 300)) < 1e-3f);
+    const glm::vec3 origin(general.origin);
+    CHECK(glm::length(origin + center(general, 0) - glm::vec3(100 - 1 + 1, 200 + 5 + 1, 302)) < 1e-3f);
+    CHECK(glm::length(origin + center(general, 1) - glm::vec3(100, 200, 300)) < 1e-3f);
     CHECK(color(general, 0) == find_element("N")->color);
     const Scene labels = read(
         "a.dump",

@@ -13,8 +13,8 @@ namespace {
 
 void note_models(std::size_t models, std::size_t atoms_left_out, Particles& particles) {
     if (atoms_left_out == 0) return;
-    particles.notes.push_back("the first of " + std::to_string(models) + " models is drawn; " +
-                              std::to_string(atoms_left_out) + " atoms of the others are not");
+    particles.notes.push_back("the first of " + std::to_string(models) +
+                              " models is drawn; atoms of the others left out: " + std::to_string(atoms_left_out));
 }
 
 // ---------------------------------------------------------------- PDB
