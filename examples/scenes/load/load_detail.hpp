@@ -33,10 +33,11 @@ Loaded read_height_field(std::string_view text);
 bool is_row_of_numbers(std::string_view line);
 /// Opens files that lie beside it.
 Loaded read_gltf(const std::filesystem::path& file, const LoadOptions& options);
-Triangles read_pdb(std::string_view text, const LoadOptions& options);
-Triangles read_xyz(std::string_view text, const LoadOptions& options);
-Triangles read_lammps_dump(std::string_view text, const LoadOptions& options);
-Triangles read_lammps_data(std::string_view text, const LoadOptions& options);
+Loaded read_pdb(std::string_view text, const LoadOptions& options);
+Loaded read_mmcif(std::string_view text, const LoadOptions& options);
+Loaded read_xyz(std::string_view text, const LoadOptions& options);
+Loaded read_lammps_dump(std::string_view text, const LoadOptions& options);
+Loaded read_lammps_data(std::string_view text, const LoadOptions& options);
 
 /// Multiplies the colors by the light that falls on the triangle; keeps alpha.
 void bake_light(VertexColoredTriangle& triangle);
