@@ -1,7 +1,7 @@
 # README.md shows programs word for word, so that what it says compiles: examples/quickstart.cpp as a whole, and its other
 # C++ from examples/bring_your_own.cpp. What it shows below the quick start is what that prints, where examples are built.
 # Links of all pages lead to what is there.
-cmake_minimum_required(VERSION 3.23)
+cmake_minimum_required(VERSION 3.22)
 file(READ "${SOURCE_DIRECTORY}/README.md" readme)
 file(READ "${SOURCE_DIRECTORY}/examples/quickstart.cpp" quickstart)
 file(READ "${SOURCE_DIRECTORY}/examples/bring_your_own.cpp" bring_your_own)

@@ -1,7 +1,7 @@
 # The walkthrough's command line: cmake -DWALKTHROUGH=PROGRAM -DDIRECTORY=SCRATCH -P walkthrough_cli.cmake
 #
 # What cannot be ends with one line on stderr, nothing on stdout and exit status 2; what can be writes what it says.
-cmake_minimum_required(VERSION 3.23)
+cmake_minimum_required(VERSION 3.22)
 
 function(expect_refusal)
   execute_process(

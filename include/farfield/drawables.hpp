@@ -89,7 +89,7 @@ void emit_polygon(const Face& face, Sink&& sink) {
     corners[3][v] = face.upper[v];
     if ((face.side & 1) == 0) std::swap(corners[1], corners[3]);  // counter-clockwise seen from outside
     const glm::vec4 c = to_vec4(face.rgba);
-    const Rgba8 color = to_rgba8(glm::vec4(glm::vec3(c) / c.a, c.a));
+    const Rgba8 color = to_rgba8(glm::vec4(glm::vec3(c) / c.w, c.w));
     sink(Polygon{corners, {&color, 1}, /*is_lit=*/true});
 }
 

@@ -1,6 +1,8 @@
 // Everything at once, for a first try. Every header can be included alone, and compiles faster so.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"

@@ -114,7 +114,7 @@ concept DescendsInOrder = requires(const T& t, const Cell& cell, const typename 
     t.front_to_back(cell, frozen, glm::vec4(), order);  // all children, present or not; viewpoint as LocalView gives it
 };
 
-/// place(cell, data, item, touches, emit) calls emit(child) for each child that gets the item, or emit.keep() to leave
+/// place(cell, data, item, touches, give) calls give(child) for each child that gets the item, or give.keep() to leave
 /// it in the node's own run. touches(box) says whether the primitive itself, not just its bounds, meets a box; of an
 /// instance it is always true.
 template <class T>

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "farfield/fail.hpp"
+#include "farfield/geometry/length.hpp"
 
 namespace farfield {
 
@@ -32,8 +33,9 @@ struct Camera {
     Projection projection = Projection::perspective;
     /// Perspective: tangent of half the vertical field of view. Orthographic: half the height seen, in world units.
     float half_height = 0.577350269f;
-    /// Nothing nearer than this depth along `forward` is drawn, world units. 0 chooses 2^-16 of the scene's diagonal
-    /// for perspective and nothing is cut for orthographic views.
+    /// Nothing nearer than this depth along `forward` is drawn, world units. 0 chooses 2^-40 of the scene's diagonal
+    /// for perspective, where depth is kept as its inverse and a plane so near costs nothing, and nothing is cut for
+    /// orthographic views; 2^-64 of the diagonal is the least.
     float near_depth = 0;
     /// Nothing farther than this depth is drawn but stand-ins of cells that reach nearer. Infinity: everything is.
     float far_depth = std::numeric_limits<float>::infinity();
@@ -100,8 +102,8 @@ struct Camera {
   private:
     static Camera looking(glm::dvec3 eye, glm::dvec3 target, glm::vec3 up, Projection projection, float half_height,
                           float near_depth) {
-        const glm::dvec3 forward = target - eye;
-        const glm::dvec3 right = glm::cross(forward, glm::dvec3(up));
+        const glm::dvec3 forward = scaled_to_one(target - eye);
+        const glm::dvec3 right = glm::cross(forward, scaled_to_one(glm::dvec3(up)));
         const double lengths = glm::length(forward) * glm::length(right);
         if (!(lengths > 0) || !std::isfinite(lengths)) {
             detail::fail<std::invalid_argument>("farfield::Camera: eye, target and up must be finite and span a plane");
@@ -110,9 +112,14 @@ struct Camera {
             detail::fail<std::invalid_argument>("farfield::Camera: near_depth must be 0 or more");
         const glm::dvec3 f = glm::normalize(forward);
         const glm::dvec3 r = glm::normalize(right);
+        const glm::vec3 x(r), y(glm::cross(r, f));
+        // Axes in single precision point past a target that is far away; the eye then moves by what they miss it by.
+        const double distance = length_of(target - eye), seen = 2 * double(half_height);
+        if (distance > 64 * (projection == Projection::perspective ? seen * distance : seen))
+            eye = target - direction_of(glm::cross(glm::dvec3(y), glm::dvec3(x))) * distance;
         return {.eye = eye,
-                .right = glm::vec3(r),
-                .up = glm::vec3(glm::cross(r, f)),
+                .right = x,
+                .up = y,
                 .forward = glm::vec3(f),
                 .projection = projection,
                 .half_height = half_height,

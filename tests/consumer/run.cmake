@@ -38,6 +38,15 @@ file(REMOVE_RECURSE "${build}")
 if(MODE STREQUAL "subdirectory")
   run(${configure} "-DFARFIELD_SOURCE_DIRECTORY=${SOURCE_DIRECTORY}")
   build_and_run()
+  # What exports a target that links to farfield installs farfield with it.
+  run("${CMAKE_COMMAND}" --install "${build}" --config "${CONFIG}" --prefix "${build}/prefix")
+  file(GLOB found "${build}/prefix/lib/cmake/engine/engine-targets.cmake"
+       "${build}/prefix/share/cmake/farfield/farfield-config.cmake" "${build}/prefix/include/farfield/farfield.hpp"
+       "${build}/prefix/include/farfield/coverage/tiler/mask_kernel.inl")
+  list(LENGTH found count)
+  if(NOT count EQUAL 4)
+    message(FATAL_ERROR "an exporting project installed no more than ${found}")
+  endif()
 elseif(MODE STREQUAL "install")
   # Installed in one place and moved to another: an installed package must not remember where it was built.
   file(REMOVE_RECURSE "${prefix}" "${prefix}-first")

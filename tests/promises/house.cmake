@@ -5,7 +5,7 @@ cmake_minimum_required(VERSION 3.20)
 
 # --- what may include what: a folder, with all below it, or a header at the root
 
-set(for_everyone fail.hpp geometry version.hpp)
+set(for_everyone fail.hpp geometry settings.hpp version.hpp)
 # may_include(ROOM ROOM...): what else a room may include than itself and those. `everything` means that.
 function(may_include room)
   set("arrows_of_${room}" ${ARGN} PARENT_SCOPE)
@@ -18,6 +18,7 @@ set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
 set(frame frame ${hierarchy})
 
 may_include(fail.hpp)
+may_include(settings.hpp)
 may_include(version.hpp)
 may_include(geometry)
 foreach(contract IN LISTS contracts) # view/ is the value that most contracts pass, in local coordinates
@@ -57,6 +58,7 @@ endfunction()
 # Concepts are tested together: with types that keep every promise and types that miss it by one thing.
 tested_by(composition approximation approximation/exact cost_model partition sampler)
 tested_by(consumer/main farfield)
+tested_by(consumer/settings settings)
 # Records without functions are tested by what makes them.
 tested_by(build build/build_progress)
 tested_by(build/cell_splitter build/build_node)

@@ -2,7 +2,7 @@
 #
 # What cannot be ends with one line on stderr, nothing on stdout and exit status 2; what can be leaves numbers, charts,
 # pictures and a page, cut short or not.
-cmake_minimum_required(VERSION 3.23)
+cmake_minimum_required(VERSION 3.22)
 
 function(expect_refusal)
   execute_process(

@@ -90,7 +90,7 @@ struct ColorCube {
             for (unsigned i = 0; i < 8; ++i) {
                 if (!is_front(i, side)) continue;
                 const glm::vec4 off = glm::abs(quarter(octants, side, i) - own[side]);
-                if (!(std::max({off.r, off.g, off.b, off.a}) <= redundancy_tolerance)) return false;
+                if (!(std::max({off.x, off.y, off.z, off.w}) <= redundancy_tolerance)) return false;
             }
         }
         return true;
@@ -99,11 +99,11 @@ struct ColorCube {
     stand_in_data finish(const Cell&, const stand_in_draft& d) const {
         stand_in_data data;
         for (unsigned side = 0; side < 6; ++side) {
-            const glm::vec4 c = d[side] * (d[side].a > 1 ? 1 / d[side].a : 1.0f);
+            const glm::vec4 c = d[side] * (d[side].w > 1 ? 1 / d[side].w : 1.0f);
             if (opacity == Opacity::blended) {
                 data[side] = to_rgba8(c);
             } else {
-                data[side] = c.a > coverage_threshold ? to_rgba8(glm::vec4(glm::vec3(c) / c.a, 1)) : Rgba8{0, 0, 0, 0};
+                data[side] = c.w > coverage_threshold ? to_rgba8(glm::vec4(glm::vec3(c) / c.w, 1)) : Rgba8{0, 0, 0, 0};
             }
         }
         return data;
@@ -124,7 +124,10 @@ struct ColorCube {
     std::optional<AreaLaw> area_law(const stand_in_data& data) const {
         if (!guesses_area_law) return {};
         unsigned sum = 0, squares = 0;
-        for (const Rgba8 c : data) sum += c.a, squares += unsigned(c.a) * c.a;
+        for (const Rgba8 c : data) {
+            sum += c.a;
+            squares += unsigned(c.a) * c.a;
+        }
         return law_of_opacity(float(squares) / (255.0f * float(std::max(sum, 1u))));
     }
 
@@ -153,7 +156,7 @@ struct ColorCube {
             footprint += faces.projected[std::size_t(i)];
             sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a)) * faces.projected[std::size_t(i)];
         }
-        if (sum.a > 0) sink(splat_of(cell.center, footprint, sum, view));
+        if (sum.w > 0) sink(splat_of(cell.center, footprint, length_unit(cell), sum, view));
     }
 
   private:
@@ -171,10 +174,10 @@ struct ColorCube {
     }
 
     glm::vec4 over(glm::vec4 front, glm::vec4 back) const {
-        if (opacity == Opacity::blended) return front + back * glm::max(0.0f, 1 - front.a);  // Porter and Duff 1984
+        if (opacity == Opacity::blended) return front + back * glm::max(0.0f, 1 - front.w);  // Porter and Duff 1984
         // "A variation on the over operation ... designed to prevent large opaque surfaces from becoming transparent
         // at coarser levels ... assuming that the front and back faces' coverage values have minimal overlap."
-        const float seen = back.a > 0 ? glm::clamp((1 - front.a) / back.a, 0.0f, 1.0f) : 0.0f;
+        const float seen = back.w > 0 ? glm::clamp((1 - front.w) / back.w, 0.0f, 1.0f) : 0.0f;
         return front + back * seen;
     }
 
@@ -191,7 +194,8 @@ struct ColorCube {
         sampler.sample(grid, contents, std::span<Rgba8>(out));
         stand_in_draft d{};
         const std::size_t squares = std::size_t(grid.n) * grid.n;
-        const glm::vec3 square = bounds.size() * (1.0f / float(grid.n));
+        const float per_unit = 1 / length_unit(cell);
+        const glm::vec3 square = bounds.size() * (per_unit / float(grid.n)), half = cell.half * per_unit;
         for (unsigned s = 0; s < 6; ++s) {
             const int u = int(s / 2 + 1) % 3, v = int(s / 2 + 2) % 3;
             // Two channels a word: 256 samples of 255 fill 16 bits.
@@ -204,7 +208,7 @@ struct ColorCube {
             static_assert(std::endian::native == std::endian::little, "bytes of a color are taken apart");
             const std::array<std::uint32_t, 4> sum{red_blue & 0xffff, green_alpha & 0xffff, red_blue >> 16,
                                                    green_alpha >> 16};
-            const float face = 4 * cell.half[u] * cell.half[v];
+            const float face = 4 * half[u] * half[v];
             if (sum[3] == 0 || !(face > 0)) continue;
             const glm::vec4 total = glm::vec4(float(sum[0]), float(sum[1]), float(sum[2]), float(sum[3])) *
                                     (square[u] * square[v] / (255 * face));
@@ -216,21 +220,23 @@ struct ColorCube {
     template <class Contents, class Sampler>
     stand_in_draft projected(const Cell& cell, Contents&& contents, [[maybe_unused]] const Sampler& sampler) const {
         stand_in_draft d{};
+        const float per_unit = 1 / length_unit(cell);
+        const glm::vec3 half = cell.half * per_unit;
         contents([&](const Polygon& polygon) {
-            const glm::vec3 doubled =
-                doubled_area<float>(polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i]; });
+            const glm::vec3 doubled = doubled_area<float>(
+                polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i] * per_unit; });
             glm::vec4 color(0);
             for (const Rgba8 c : polygon.colors) color += to_vec4(c);
             color *= 1.0f / float(polygon.colors.size());
-            const glm::vec4 premultiplied(glm::vec3(color) * color.a, color.a);
+            const glm::vec4 premultiplied(glm::vec3(color) * color.w, color.w);
             for (int s = 0; s < 6; ++s) {
-                const float face = 4 * cell.half[(s / 2 + 1) % 3] * cell.half[(s / 2 + 2) % 3];
+                const float face = 4 * half[(s / 2 + 1) % 3] * half[(s / 2 + 2) % 3];
                 if (!(face > 0)) continue;
                 glm::vec4 seen = premultiplied;
                 if constexpr (LightsPolygons<Sampler>) {
                     const bool is_front = (doubled[s / 2] > 0) == (s % 2 == 1);
                     const float brightness = sampler.brightness(polygon, is_front ? doubled : -doubled);
-                    seen = glm::vec4(glm::vec3(seen) * brightness, seen.a);
+                    seen = glm::vec4(glm::vec3(seen) * brightness, seen.w);
                 }
                 d[std::size_t(s)] += seen * (0.5f * std::abs(doubled[s / 2]) / face);
             }

@@ -73,7 +73,7 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
                             sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a));
                         }
                         sum *= weight * (1.0f / 255);
-                        if (sum.a <= coverage_threshold) continue;
+                        if (sum.w <= coverage_threshold) continue;
                         std::array<unsigned, 3> place{};
                         place[side / 2] = slab;
                         place[(side / 2 + 1) % 3] = u;
@@ -141,10 +141,12 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
                 const float along = side & 1 ? towards[int(side / 2)] : -towards[int(side / 2)];
                 if (!(along > (view.is_perspective ? cube.half[int(side / 2)] : 0.0f))) return;
                 if (!splats) return sink(face_of(cube, side, c));
-                const float footprint = 4 * cube.half[(int(side / 2) + 1) % 3] * cube.half[(int(side / 2) + 2) % 3] *
-                                        along / std::sqrt(glm::dot(towards, towards));
+                const float unit = length_unit(cube);
+                const glm::vec3 half = cube.half * (1 / unit);
+                const float footprint =
+                    4 * half[(int(side / 2) + 1) % 3] * half[(int(side / 2) + 2) % 3] * along / length_of(towards);
                 const glm::vec4 color(float(c.r), float(c.g), float(c.b), float(c.a));
-                if (c.a != 0) sink(splat_of(cube.center, footprint, color * footprint, view));
+                if (c.a != 0) sink(splat_of(cube.center, footprint, unit, color * footprint, view));
             });
         }
     }

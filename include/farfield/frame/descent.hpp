@@ -238,8 +238,8 @@ class Descent {
         return traversal_order<typename V::hierarchy_type, R> == VisitOrder::back_to_front ? -distance : distance;
     }
 
-    template <class V, class I>
-    void draw_instance(V& v, const I& instance, std::uint32_t position, std::uint64_t primitive) {
+    template <class V, class Instance_>
+    void draw_instance(V& v, const Instance_& instance, std::uint32_t position, std::uint64_t primitive) {
         ++stats_.instances;
         LocalView inner = v.view.inside(instance.to_world, v.hierarchy.origin(), instance.hierarchy->origin());
         const std::uint64_t path = mixed(v.path, primitive + 1);

@@ -72,6 +72,20 @@ void check_fingerprint(const char* who, const H& h, std::span<const P> primitive
     }
 }
 
+/// What a source is looked up by: where its hierarchy lies, and its primitives.
+struct SourceKey {
+    const void* hierarchy;
+    const void* primitives;
+    friend bool operator==(const SourceKey&, const SourceKey&) = default;
+};
+struct HashOfSourceKey {
+    std::size_t operator()(const SourceKey& key) const {
+        // One after the other: both come in even steps, and all of their sums could be the same.
+        return std::size_t(mixed(mixed(0, std::uint64_t(std::uintptr_t(key.hierarchy))),
+                                 std::uint64_t(std::uintptr_t(key.primitives))));
+    }
+};
+
 /// Uploads sources to the renderer and, when it goes, releases them.
 template <class R>
 class SourceTable {
@@ -110,7 +124,7 @@ class SourceTable {
         check_fingerprint(who, h, primitives);
         if constexpr (R::facts.tells_light) check_light(who, h, renderer_.light(), turned);
         // References into an unordered_map stay valid while more are added.
-        SourceState& state = sources_[Key{&h, primitives.data()}];
+        SourceState& state = sources_[SourceKey{&h, primitives.data()}];
         if constexpr (H::assignment == Assignment::shared) state.stamps.assign(primitives.size(), 0);
         if constexpr (R::facts.keeps_sources) {
             state.id = renderer_.upload(source_of(h, primitives, 0));
@@ -125,13 +139,13 @@ class SourceTable {
 
     template <class H, class P>
     bool has(const H& h, std::span<const P> primitives) const {
-        return sources_.contains(Key{&h, primitives.data()});
+        return sources_.contains(SourceKey{&h, primitives.data()});
     }
 
     /// One that was added. Throws std::invalid_argument if there is none: instances were changed since.
     template <class H, class P>
     SourceState& find(const H& h, std::span<const P> primitives) {
-        const auto found = sources_.find(Key{&h, primitives.data()});
+        const auto found = sources_.find(SourceKey{&h, primitives.data()});
         if (found == sources_.end()) {
             detail::fail<std::invalid_argument>(
                 "farfield::Viewer: an instance holds a hierarchy, or primitives, that it did not when the viewer was "
@@ -149,18 +163,6 @@ class SourceTable {
     }
 
   private:
-    struct Key {
-        const void* hierarchy;
-        const void* primitives;
-        friend bool operator==(const Key&, const Key&) = default;
-    };
-    struct HashOfKey {
-        std::size_t operator()(const Key& key) const {
-            return std::size_t(
-                mixed(std::uint64_t(std::uintptr_t(key.hierarchy)), std::uint64_t(std::uintptr_t(key.primitives))));
-        }
-    };
-
     /// Calls f(instance, number of the primitive).
     template <class P, class F>
     static void for_instances([[maybe_unused]] std::span<const P> primitives, [[maybe_unused]] F&& f) {
@@ -178,7 +180,7 @@ class SourceTable {
 
     R& renderer_;
     std::weak_ptr<const void> renderer_lifetime_;
-    std::unordered_map<Key, SourceState, HashOfKey> sources_;
+    std::unordered_map<SourceKey, SourceState, HashOfSourceKey> sources_;
 };
 
 }  // namespace farfield::detail

@@ -8,6 +8,10 @@
 
 namespace farfield {
 
+/// GLM_FORCE_DEFAULT_ALIGNED_GENTYPES makes vectors of three take as much as vectors of four. Everything takes more
+/// memory then, and is drawn alike, but nothing can be stored: files hold twelve bytes.
+inline constexpr bool vectors_are_packed = sizeof(glm::vec3) == 12 && sizeof(glm::dvec3) == 24;
+
 /// A closed axis-aligned box; `lower` and `upper` are both inside. A point is a box of size zero. A box with
 /// lower > upper on any axis is *empty*: it contains nothing and adding it to another box changes nothing.
 template <class T>

@@ -23,7 +23,7 @@ inline Rgba8 to_rgba8(glm::vec4 c) {
     const auto byte = [](float v) {
         return static_cast<std::uint8_t>(v > 0 ? (v < 1 ? v * 255.0f + 0.5f : 255.0f) : 0.0f);
     };
-    return {byte(c.r), byte(c.g), byte(c.b), byte(c.a)};
+    return {byte(c.x), byte(c.y), byte(c.z), byte(c.w)};
 }
 
 }  // namespace farfield

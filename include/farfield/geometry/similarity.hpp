@@ -39,7 +39,7 @@ class Similarity {
         : translation(moved_by), rotation_(rotation), scale_(scale) {
         const glm::dmat3 unit(rotation);
         const glm::dmat3 gram = glm::transpose(unit) * unit;
-        constexpr double rounding = 256.0 * std::numeric_limits<float>::epsilon();
+        constexpr double rounding = 256.0 * double(std::numeric_limits<float>::epsilon());
         bool similar = scale > 0 && std::isnormal(scale) && glm::determinant(unit) > 0;
         for (int i = 0; i < 3; ++i) {
             similar = similar && std::isfinite(translation[i]);

@@ -56,24 +56,24 @@ struct BasicOctree {
     }
 
     template <class Touches, class Emit>
-    void place(const Cell& cell, const node_data& data, const Item& item, Touches&& touches, Emit&& emit) const {
+    void place(const Cell& cell, const node_data& data, const Item& item, Touches&& touches, Emit&& give) const {
         if constexpr (assigned == Assignment::unique) {
             if (item.bounds.largest_side() > cell.half.x) {
-                emit.keep();
+                give.keep();
             } else {
-                emit(octant(cell, item.bounds.center()));
+                give(octant(cell, item.bounds.center()));
             }
         } else {
             unsigned touched = 0;
             for (unsigned i = 0; i < 8; ++i) {
                 const Box box = child(cell, data, i).box();
                 if (box.intersects(item.bounds) && touches(box)) {
-                    emit(i);
+                    give(i);
                     ++touched;
                 }
             }
             // Rounding on both sides of a face must not lose a primitive.
-            if (touched == 0) emit(octant(cell, glm::clamp(item.bounds.center(), cell.box().lower, cell.box().upper)));
+            if (touched == 0) give(octant(cell, glm::clamp(item.bounds.center(), cell.box().lower, cell.box().upper)));
         }
     }
 

@@ -31,7 +31,7 @@ struct PolygonBsp {
         CuttingPlane plane;
         std::array<glm::u8vec3, 2> lower, upper;
     };
-    static_assert(sizeof(node_data) == 28);
+    static_assert(sizeof(node_data) == 28 || !vectors_are_packed);
     static constexpr PartitionFacts facts{.offers = Assignment::clipped,
                                           .ordering = OrderGuarantee::primitives,
                                           .splits_for_order = true,

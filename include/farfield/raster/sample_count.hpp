@@ -25,7 +25,7 @@ inline int checked_samples_a_side(int samples, const char* renderer) {
 
 /// Throws std::invalid_argument, naming the renderer, for images of no or too many samples: 16,000 on a side.
 inline void check_image_size(const LocalView& view, int samples_a_side, const char* renderer) {
-    const double limit = SampleProjection::guard_band;
+    const double limit = double(SampleProjection::guard_band);
     if (view.width < 1 || view.height < 1 || double(view.width) * samples_a_side > limit ||
         double(view.height) * samples_a_side > limit) {
         detail::fail<std::invalid_argument>("farfield::" + std::string(renderer) +

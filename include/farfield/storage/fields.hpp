@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <glm/vec3.hpp>
 #include <limits>
 #include <span>
 #include <tuple>
@@ -26,10 +27,10 @@ struct AnyField {
     operator T() const;
 };
 
-template <class T, std::size_t... I>
-constexpr bool takes_fields(std::index_sequence<I...>) {
+template <class T, std::size_t... number>
+constexpr bool takes_fields(std::index_sequence<number...>) {
     return requires {
-        T{(void(I), AnyField{})...};
+        T{(void(number), AnyField{})...};
     };
 }
 template <class T, std::size_t n = most_fields + 1>
@@ -76,11 +77,12 @@ constexpr auto fields_of(T& v) {
 template <class T>
 concept Number = (std::is_arithmetic_v<T> || std::is_enum_v<T>)&&!std::is_same_v<T, long double>;
 template <class T>
-concept GlmVector = requires(T& v) {
-    typename T::value_type;
-    { T::length() } -> std::same_as<typename T::length_type>;
-    v[0];
-};
+inline constexpr std::size_t vector_length = 0;
+template <glm::length_t n, class T, glm::qualifier alignment>
+inline constexpr std::size_t vector_length<glm::vec<n, T, alignment>> = std::size_t(n);
+template <class T>
+concept GlmVector = vector_length<T>
+!= 0;
 template <class T>
 struct IsArray : std::false_type {};
 template <class T, std::size_t n>
@@ -108,7 +110,7 @@ constexpr std::size_t bytes_of_numbers() {
     } else if constexpr (Number<T>) {
         return sizeof(T);
     } else if constexpr (GlmVector<T>) {
-        return std::size_t(T::length()) * sizeof(typename T::value_type);
+        return vector_length<T> * sizeof(typename T::value_type);
     } else if constexpr (IsArray<T>::value) {
         constexpr std::size_t one = bytes_of_numbers<typename T::value_type>();
         return one == not_numbers ? not_numbers : std::tuple_size_v<T> * one;
@@ -135,7 +137,7 @@ void for_each_number(T& v, F&& f) {
     } else if constexpr (Number<U>) {
         f(v);
     } else if constexpr (GlmVector<U>) {
-        for (typename U::length_type i = 0; i < U::length(); ++i) f(v[i]);
+        for (std::size_t i = 0; i < vector_length<U>; ++i) f(v[typename U::length_type(i)]);
     } else if constexpr (IsArray<U>::value) {
         for (auto& element : v) for_each_number(element, f);
     } else {

@@ -78,9 +78,9 @@ template <class C>
 concept StorableCostModel =
     CostModel<C> && std::default_initializable<C> && C::file_tag != 0 && detail::MadeOfNumbers<C>;
 
-/// A SpatialHierarchy that save() and open() take.
+/// A SpatialHierarchy that save() and open() take. GLM_FORCE_DEFAULT_ALIGNED_GENTYPES leaves none.
 template <class H>
-concept Storable = StorablePartition<typename H::partition_type> &&
+concept Storable = vectors_are_packed && StorablePartition<typename H::partition_type> &&
     StorableApproximation<typename H::approximation_type> && StorableCostModel<typename H::cost_model_type>;
 
 /// Deeper hierarchies are neither saved nor opened: a frame descends by recursion, and a file must not decide how much
@@ -145,11 +145,10 @@ struct FileHeader {
 };
 
 // A change of any of these is a new file_version.
-static_assert(sizeof(glm::vec3) == 12 && sizeof(glm::dvec3) == 24);
-static_assert(sizeof(Node) == 16 && sizeof(Cell) == 52 && sizeof(Work) == 28 && sizeof(BuildReport) == 72 &&
-              sizeof(DirectionalLight) == 20);
-static_assert(sizeof(FileHeader) == 648 && offsetof(FileHeader, checksum) == 640);
-static_assert(WithoutPadding<SectionEntry> && WithoutPadding<HierarchyFacts> && WithoutPadding<FileHeader>);
+static_assert(!vectors_are_packed ||
+              (sizeof(Node) == 16 && sizeof(Cell) == 52 && sizeof(Work) == 28 && sizeof(BuildReport) == 72 &&
+               sizeof(DirectionalLight) == 20 && sizeof(FileHeader) == 648 && offsetof(FileHeader, checksum) == 640 &&
+               WithoutPadding<SectionEntry> && WithoutPadding<HierarchyFacts> && WithoutPadding<FileHeader>));
 
 constexpr std::uint64_t next_section(std::uint64_t offset) {
     return (offset + section_alignment - 1) / section_alignment * section_alignment;

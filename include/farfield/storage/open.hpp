@@ -69,7 +69,7 @@ inline std::string wrong_header(std::span<const std::byte> bytes, FileHeader& he
 
 /// The reason to refuse the sections; empty if they lie in the file as save() lays them.
 inline std::string wrong_sections(std::span<const std::byte> bytes, const FileHeader& header,
-                                  const std::array<std::uint64_t, section_count>& record_bytes, bool verify) {
+                                  const std::array<std::uint64_t, section_count>& record_bytes, bool checks_sums) {
     if (header.file_bytes != bytes.size()) {
         return std::string(header.file_bytes > bytes.size() ? "is truncated" : "is too long") + ": it has " +
                std::to_string(bytes.size()) + " bytes and should have " + std::to_string(header.file_bytes);
@@ -99,7 +99,7 @@ inline std::string wrong_sections(std::span<const std::byte> bytes, const FileHe
         if (std::any_of(between.begin(), between.end(), [](std::byte b) { return b != std::byte(0); })) {
             return damaged(" has something else before it");
         }
-        if (verify && s.checksum != Xxh64::of(bytes.subspan(std::size_t(s.offset), std::size_t(s.bytes())))) {
+        if (checks_sums && s.checksum != Xxh64::of(bytes.subspan(std::size_t(s.offset), std::size_t(s.bytes())))) {
             return damaged(" does not have the checksum it was saved with");
         }
         end = s.offset + s.bytes();

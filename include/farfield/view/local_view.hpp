@@ -94,7 +94,7 @@ struct LocalView {
         if (is_perspective) {
             near_depth = glm::max(near_depth, glm::max(diagonal * 0x1p-64f, std::numeric_limits<float>::min()));
         }
-        move_anchor(view.camera.eye - origin, diagonal, center);
+        move_anchor(view.camera.eye - origin, diagonal, center, origin);
         set_planes();
     }
 
@@ -163,14 +163,14 @@ struct LocalView {
     /// view stays, but depths are counted from a point of the axis next to the scene.
     ///
     /// Not where it would gain less than four bits: differences of an eye nearby are rounded as they always were.
-    void move_anchor(glm::dvec3 exact_eye, float diagonal, glm::vec3 center) {
+    void move_anchor(glm::dvec3 exact_eye, float diagonal, glm::vec3 center, glm::dvec3 origin) {
         // The axis along which nothing moves sideways on the screen; axes in single precision are not quite square.
         glm::dvec3 axis = glm::cross(glm::dvec3(up), glm::dvec3(right));
         if (glm::dot(axis, glm::dvec3(forward)) < 0) axis = -axis;
         axis = direction_of(axis);
         const double to_center = glm::dot(glm::dvec3(center) - exact_eye, axis), size = double(diagonal);
-        // Things in the view may be much smaller than the scene, and lie where coordinates are finest.
-        const glm::dvec3 next_to = length_of(center) <= diagonal ? glm::dvec3(0) : glm::dvec3(center);
+        // Things in the view may be much smaller than the scene, and lie where the user's coordinates are finest.
+        const glm::dvec3 next_to = length_of(glm::dvec3(center) + origin) <= size ? -origin : glm::dvec3(center);
         const double slid = glm::dot(next_to - exact_eye, axis);
         const float depth = float(slid * glm::dot(axis, glm::dvec3(forward)));
         const auto moved = glm::vec3(exact_eye + axis * slid);
@@ -195,8 +195,8 @@ struct LocalView {
         const auto side = [&](glm::vec3 axis, float half) {
             // Perspective planes pass through the eye and tilt inwards; orthographic ones stand beside it.
             if (!is_perspective) return glm::vec4(-axis, half + glm::dot(axis, eye));
-            const glm::vec3 n = glm::normalize(half * forward - axis);
-            return glm::vec4(n, glm::dot(n, forward) * anchor_depth - glm::dot(n, anchor));
+            const glm::vec3 inwards = half * forward - axis, n = glm::normalize(inwards);
+            return glm::vec4(n, half * anchor_depth / glm::length(inwards) - glm::dot(n, anchor));
         };
         planes = {side(-right, half_width * (1 - off.x)),
                   side(right, half_width * (1 + off.x)),

@@ -42,23 +42,14 @@ struct TensorAppearance {
             area *= 0.5f * fronts;
         }
         if (counts_overlap) {
-            const float outline = outline_from(w);
+            const float outline = shape.outline_from(w);
             area = outline * (1 - transmitted(1, area / outline, shape.law));
         }
         return {area, glm::min(shape.rgb * tone, glm::vec3(255))};
     }
 
-    /// Area of the contents' outline. Sheets lie anywhere in their box. Leaves strewn in it are thin where they are
-    /// seen through one of its edges or corners, which count for less: within 4 % of the area that leaves cover where
-    /// they fill a cube once or twice.
-    float outline_from(glm::vec3 w) const {
-        const glm::vec3 e = shape.extent, sides = glm::abs(w) * glm::vec3(e.y * e.z, e.z * e.x, e.x * e.y);
-        const float outline = sides.x + sides.y + sides.z;
-        return shape.law == AreaLaw::coherent ? outline : 0.15f * outline + 0.85f * std::sqrt(glm::dot(sides, sides));
-    }
-
-    /// Width and height, in the picture, of the rectangle that is drawn about `center`.
-    glm::vec2 rectangle(glm::vec3 center, const LocalView& view, float strewn_over) const {
+    /// Width and height, in the picture, of the rectangle that is drawn about `center` and has room for this area.
+    glm::vec2 rectangle(glm::vec3 center, const LocalView& view, float area) const {
         glm::vec3 right = view.right, up = view.up;
         if (view.is_perspective) {  // points that lie deeper are nearer to the vanishing point
             const glm::vec3 d = center - view.eye;
@@ -69,7 +60,8 @@ struct TensorAppearance {
         if (shape.law != AreaLaw::coherent) {
             right *= shape.extent;
             up *= shape.extent;
-            return glm::sqrt(strewn_over * glm::vec2(glm::dot(right, right), glm::dot(up, up)));
+            const glm::vec2 size = glm::sqrt(glm::vec2(glm::dot(right, right), glm::dot(up, up)));
+            return size * std::sqrt(std::max(area / (size.x * size.y), 1.0f));
         }
         // In a flat sheet the coordinate in which it is steepest follows from the others: it is not as large as its
         // box.
@@ -81,7 +73,15 @@ struct TensorAppearance {
             up -= n * (up[k] / n[k]);
         }
         const glm::vec2 size(glm::dot(glm::abs(right), shape.extent), glm::dot(glm::abs(up), shape.extent));
-        return glm::max(glm::min(size, box), 0x1p-8f);  // edge-on
+        return with_room(glm::max(glm::min(size, box), 0x1p-8f), box, area);  // edge-on
+    }
+
+    /// What takes more room than one sheet has is several, strewn over their box.
+    static glm::vec2 with_room(glm::vec2 size, glm::vec2 box, float area) {
+        const float times = area / (size.x * size.y);
+        if (!(times > 1)) return size;
+        size += glm::max(box - size, 0.0f) * std::min(4 * (times - 1), 1.0f);
+        return size * std::sqrt(std::max(area / (size.x * size.y), 1.0f));
     }
 
     /// The contents' centroid, in local coordinates.

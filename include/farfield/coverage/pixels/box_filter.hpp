@@ -75,7 +75,7 @@ class BoxFilter {
     /// must not exceed that.
     void add_sum(std::size_t index, glm::vec4 sum) {
         sums_[index] +=
-            std::uint64_t(sum.r) | std::uint64_t(sum.g) << 16 | std::uint64_t(sum.b) << 32 | std::uint64_t(sum.a) << 48;
+            std::uint64_t(sum.x) | std::uint64_t(sum.y) << 16 | std::uint64_t(sum.z) << 32 | std::uint64_t(sum.w) << 48;
     }
     /// Adds all samples of some pixels of an open block.
     FARFIELD_INLINE void fill_pixels(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {

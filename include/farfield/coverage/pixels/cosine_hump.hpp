@@ -43,7 +43,7 @@ struct CosineHump {
         for (const auto& row : rows) {
             corner += row[255].of[3];
             edge += row[255].of[4];
-            own += 2 * row[255].of[1];
+            own += 2u * row[255].of[1];
         }
         for (unsigned c = 0; c < 8; ++c) {
             for (unsigned r = 0; r < 8; ++r) {

@@ -135,12 +135,12 @@ class CosineHumpFilter {
     }
     Sum* sum_at(int x, int y) { return sums_.data() + std::size_t(y + 1) * stride_ + std::size_t(x + 1); }
 
-    template <int n>
+    template <std::size_t n>
     static void resolve_pixels(const Sum* sums, float scale, Rgba8* out) {
         float sum[n * 4];
         std::uint8_t bytes[n * 4];
         std::memcpy(sum, sums, sizeof sum);
-        for (int i = 0; i < n * 4; ++i) bytes[i] = std::uint8_t(int(sum[i] * scale + 0.5f));
+        for (std::size_t i = 0; i < n * 4; ++i) bytes[i] = std::uint8_t(int(sum[i] * scale + 0.5f));
         std::memcpy(static_cast<void*>(out), bytes, sizeof bytes);
     }
 

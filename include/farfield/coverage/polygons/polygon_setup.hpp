@@ -53,7 +53,9 @@ class PolygonSetup {
         std::memcpy(&dx, r.x, sizeof dx);
         std::memcpy(&dy, r.y, sizeof dy);
         std::memcpy(&dz, r.z, sizeof dz);
-        dx -= projection_.anchor.x, dy -= projection_.anchor.y, dz -= projection_.anchor.z;
+        dx -= projection_.anchor.x;
+        dy -= projection_.anchor.y;
+        dz -= projection_.anchor.z;
         const Floats depth = dx * projection_.forward.x + dy * projection_.forward.y + dz * projection_.forward.z;
         const Floats inverse = 1.0f / (depth * projection_.depth_weight + projection_.depth_bias);
         const Floats x = (dx * projection_.right.x + dy * projection_.right.y + dz * projection_.right.z) * inverse +

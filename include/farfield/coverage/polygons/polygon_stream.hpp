@@ -9,6 +9,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/renderer.hpp"
 
@@ -111,7 +112,10 @@ class PolygonStream {
     /// Whether corner i + 2 has, up to one step, the color that corners 0, i and i + 1 give linearly.
     static bool has_one_gradient(const Polygon& polygon, std::size_t i) {
         const glm::vec3 p = polygon.vertices[0];
-        const glm::vec3 u = polygon.vertices[i] - p, v = polygon.vertices[i + 1] - p, w = polygon.vertices[i + 2] - p;
+        glm::vec3 u = polygon.vertices[i] - p, v = polygon.vertices[i + 1] - p, w = polygon.vertices[i + 2] - p;
+        // What follows are products of four lengths.
+        const int exponent = -exponent_of(glm::max(largest_component(u), largest_component(v)));
+        for (glm::vec3* side : {&u, &v, &w}) *side = times_power_of_two(*side, exponent);
         const float uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v);
         const float wu = glm::dot(w, u), wv = glm::dot(w, v), determinant = uu * vv - uv * uv;
         if (!(determinant > 0)) return false;
@@ -119,7 +123,7 @@ class PolygonStream {
         const glm::vec4 c = to_vec4(polygon.colors[0]);
         const glm::vec4 expected = c + s * (to_vec4(polygon.colors[i]) - c) + t * (to_vec4(polygon.colors[i + 1]) - c);
         const glm::vec4 off = glm::abs(to_vec4(polygon.colors[i + 2]) - expected) * 255.0f;
-        return off.r <= 1 && off.g <= 1 && off.b <= 1 && off.a <= 1;
+        return off.x <= 1 && off.y <= 1 && off.z <= 1 && off.w <= 1;
     }
 
     std::vector<PolygonRecord> records_;

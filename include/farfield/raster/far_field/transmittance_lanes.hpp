@@ -94,9 +94,9 @@ class Deposit {
         }
         const bool closes = sum < lanes::closed;
         const float taken = s.transmittance - (closes ? 0.0f : float(sum) * (1.0f / float(lanes::count * lanes::one)));
-        s.r += taken * rgb_.r;
-        s.g += taken * rgb_.g;
-        s.b += taken * rgb_.b;
+        s.r += taken * rgb_.x;
+        s.g += taken * rgb_.y;
+        s.b += taken * rgb_.z;
         s.transmittance -= taken;
         return closes;
     }
@@ -119,9 +119,9 @@ inline bool into_lane(FarSample& s, int lane, float part, Loss loss, glm::vec3 r
     float taken = (before - float(left)) * (1.0f / float(lanes::count * lanes::one));
     const bool closes = s.transmittance - taken < closed_transmittance;
     if (closes) taken = s.transmittance;
-    s.r += taken * rgb.r;
-    s.g += taken * rgb.g;
-    s.b += taken * rgb.b;
+    s.r += taken * rgb.x;
+    s.g += taken * rgb.y;
+    s.b += taken * rgb.z;
     s.transmittance -= taken;
     return closes;
 }

@@ -97,7 +97,7 @@ inline __m128i product(__m128i a, __m128i b) {
 
 class Deposit {
   public:
-    Deposit(Loss loss, glm::vec3 rgb) : rgb_(_mm_setr_ps(rgb.r, rgb.g, rgb.b, -1)) {
+    Deposit(Loss loss, glm::vec3 rgb) : rgb_(_mm_setr_ps(rgb.x, rgb.y, rgb.z, -1)) {
         const __m128 part = _mm_max_ps(_mm_setr_ps(loss.relative, loss.absolute, 0, 0), _mm_setzero_ps());
         const __m128 scaled = _mm_mul_ps(_mm_min_ps(part, _mm_set1_ps(1)), _mm_set1_ps(float(lanes::one)));
         const __m128i rounded = _mm_cvttps_epi32(_mm_add_ps(scaled, _mm_set1_ps(0.5f)));

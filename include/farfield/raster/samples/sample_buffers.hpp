@@ -171,7 +171,7 @@ class SampleBuffers {
         }
         sum *= 1.0f / float(side_ * side_);
         const auto byte = [](float v) { return std::uint8_t(std::min(v + 0.5f, 255.0f)); };
-        return {byte(sum.r), byte(sum.g), byte(sum.b), byte(sum.a)};
+        return {byte(sum.x), byte(sum.y), byte(sum.z), byte(sum.w)};
     }
 
     void resize(int width, int height, int samples_a_side, Rgba8 background) {

@@ -136,7 +136,10 @@ class TrianglePainter {
     void draw(std::uint32_t triangle, SnappedTriangle& t) {
         const Rgba8* colors = stream_.colors(triangle);
         Rgba8 corners[3] = {colors[0], colors[0], colors[0]};
-        if (stream_.several_colors()) corners[1] = colors[1], corners[2] = colors[2];
+        if (stream_.several_colors()) {
+            corners[1] = colors[1];
+            corners[2] = colors[2];
+        }
         draw(triangle, t, corners);
     }
 

@@ -1,0 +1,103 @@
+# cmake -DSETTING=... -P settings.cmake: builds settings.cpp, a small program that draws by every renderer, as an engine
+# with such settings would, and compares its pictures with those of the setting `plain`, which comes first.
+cmake_minimum_required(VERSION 3.22)
+
+set(directory "${WORK_DIRECTORY}/${SETTING}")
+file(MAKE_DIRECTORY "${directory}")
+set(compile ${LAUNCHER} "${COMPILER}" -c "-I${SOURCE_DIRECTORY}/include" -ffp-contract=off -w)
+foreach(directory_of_glm IN LISTS GLM_INCLUDE)
+  list(APPEND compile -isystem "${directory_of_glm}")
+endforeach()
+set(standard -std=c++20)
+
+# What compilers of their own say of GLM's or the system's macros is not the matter here: -w, unless a setting asks.
+set(plain_flags -O0 -D_GLIBCXX_ASSERTIONS)
+set(strict_flags
+    -std=c++2b
+    -fno-exceptions
+    -fno-rtti
+    -DWITH_ENGINE_MACROS
+    -Werror
+    -Wall
+    -Wextra
+    -Wpedantic
+    -Wold-style-cast
+    -Wconversion
+    -Wsign-conversion
+    -Wdouble-promotion
+    -Wundef
+    -Wshadow
+    -Wnon-virtual-dtor
+    -Woverloaded-virtual
+    -Wcast-align
+    -Wcast-qual
+    -Wextra-semi
+    -Wredundant-decls
+    -Wmissing-declarations
+    -Wzero-as-null-pointer-constant
+    -Wunused-macros)
+set(aligned_vectors_flags -DGLM_FORCE_DEFAULT_ALIGNED_GENTYPES -DGLM_FORCE_INTRINSICS -O1)
+set(glm_forces_flags
+    -DGLM_FORCE_XYZW_ONLY
+    -DGLM_FORCE_EXPLICIT_CTOR
+    -DGLM_FORCE_SIZE_T_LENGTH
+    -DGLM_FORCE_LEFT_HANDED
+    -DGLM_FORCE_DEPTH_ZERO_TO_ONE)
+set(native_flags -march=native -O2 -DNDEBUG -DGLM_FORCE_SWIZZLE)
+set(fast_math_flags -ffast-math)
+
+if(NOT DEFINED ${SETTING}_flags)
+  message(FATAL_ERROR "there is no setting '${SETTING}'")
+endif()
+set(flags ${standard} ${${SETTING}_flags})
+if("-Werror" IN_LIST flags)
+  list(REMOVE_ITEM compile -w)
+endif()
+
+if(SETTING STREQUAL "fast_math")
+  execute_process(
+    COMMAND ${compile} ${flags} -fsyntax-only "${CMAKE_CURRENT_LIST_DIR}/another_file.cpp"
+    RESULT_VARIABLE result
+    ERROR_VARIABLE errors)
+  if(result EQUAL 0 OR NOT errors MATCHES "error: .*farfield is wrong under -ffast-math")
+    message(FATAL_ERROR "-ffast-math was not refused by name:\n${errors}")
+  endif()
+  list(APPEND flags -fno-finite-math-only)
+  if(COMPILER MATCHES "clang")
+    list(APPEND flags -DFARFIELD_ALLOW_FAST_MATH)
+  endif()
+  execute_process(COMMAND ${compile} ${flags} -fsyntax-only "${CMAKE_CURRENT_LIST_DIR}/another_file.cpp"
+                  RESULT_VARIABLE result)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "what the message says does not help")
+  endif()
+  return()
+endif()
+
+set(objects)
+foreach(name IN ITEMS settings another_file)
+  set(object "${directory}/${name}.o")
+  execute_process(COMMAND ${compile} ${flags} "${CMAKE_CURRENT_LIST_DIR}/${name}.cpp" -o "${object}"
+                  RESULT_VARIABLE result)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${name}.cpp does not compile with ${flags}")
+  endif()
+  list(APPEND objects "${object}")
+endforeach()
+execute_process(COMMAND "${COMPILER}" ${objects} -pthread -o "${directory}/program" RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "does not link with ${flags}")
+endif()
+execute_process(COMMAND "${directory}/program" RESULT_VARIABLE result OUTPUT_VARIABLE pictures)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "exit status ${result} with ${flags}")
+endif()
+set(file_of_plain "${WORK_DIRECTORY}/pictures.txt")
+if(SETTING STREQUAL "plain")
+  file(WRITE "${file_of_plain}" "${pictures}")
+  return()
+endif()
+file(READ "${file_of_plain}" pictures_of_plain)
+if(NOT pictures STREQUAL pictures_of_plain)
+  message(FATAL_ERROR "other pictures with ${flags}: ${pictures} in place of ${pictures_of_plain}")
+endif()
