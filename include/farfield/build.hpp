@@ -72,11 +72,21 @@ typename H::Data build_data(std::span<const P> primitives, const BuildOptions<H,
 /// empty or not finite, that has a cost below 0, or that is an instance of nothing; BuildCanceled if the progress
 /// callback says so.
 template <class H, OrthographicSampler Sampler = GridSampler, detail::ContiguousPrimitives Range>
-requires BuildableFrom<H, std::ranges::range_value_t<Range>> H build(const Range& primitives,
-                                                                     const BuildOptions<H, Sampler>& options = {}) {
+H build(const Range& primitives, const BuildOptions<H, Sampler>& options = {}) {
     using P = std::ranges::range_value_t<Range>;
+    static_assert(detail::check_buildable<H, P>());
+    static_assert(detail::check_sampler<Sampler>());
     const std::span<const P> all(std::ranges::data(primitives), std::ranges::size(primitives));
     return H(options.partition, options.approximation, options.cost_model, detail::build_data(all, options));
+}
+
+/// Says how a build names what it builds.
+template <class Hierarchy = void, std::ranges::range Range>
+requires std::is_void_v<Hierarchy>
+void build(Range&&, const auto&...) {
+    static_assert(
+        !std::is_void_v<Hierarchy>,
+        "farfield: name the hierarchy: build<SpatialHierarchy<Octree, OpacityTensor, TriangleCount>>(primitives)");
 }
 
 /// Builds as build() does, and puts the primitives into the hierarchy's order, so that no list of indices is needed:
