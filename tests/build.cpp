@@ -3,17 +3,23 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <list>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
+#include "farfield/primitive/instance.hpp"
 #include "farfield/primitive/triangle.hpp"
 #include "support/scenes.hpp"
 
@@ -209,4 +215,72 @@ TEST_CASE("primitives that nothing can be built from are named") {
         CHECK(std::string(e.what()).find("primitive 7 ") != std::string::npos);
     }
     CHECK(same_primitives(triangles, before));
+}
+
+namespace {
+template <class H, class P>
+std::string build_refusal(const std::vector<P>& primitives, const BuildOptions<H>& options) {
+    try {
+        build<H>(primitives, options);
+        return "taken";
+    } catch (const std::invalid_argument& e) {
+        return e.what();
+    }
+}
+}  // namespace
+
+TEST_CASE("an option that makes no sense is refused by its name before anything is built") {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    const Triangles triangles = random_triangles(50, 739);
+    using Clusters = SpatialHierarchy<Octree, ColorCubeCluster<2>, TriangleCount>;
+    using Timed = SpatialHierarchy<Octree, ColorCube, MeasuredTime>;
+    using Bsp = SpatialHierarchy<PolygonBsp, Exact, TriangleCount>;
+    using Halls = SpatialHierarchy<Nested<Octree, PolygonBsp>, Exact, TriangleCount>;
+    CHECK(build_refusal<Cubes>(triangles, {.approximation = {.samples = 9}}) ==
+          "farfield::ColorCube: samples must be at most 8");
+    for (const std::uint32_t samples : {0u, 9u}) {
+        CHECK(build_refusal<Clusters>(triangles, {.approximation = {.samples = samples}}) ==
+              "farfield::ColorCubeCluster: samples must be from 1 to 8");
+    }
+    CHECK(build_refusal<Bsp>(triangles, {.partition = {.max_depth = 100'000}}) ==
+          "farfield::PolygonBsp: max_depth must be at most 1000");
+    CHECK(build_refusal<Halls>(triangles, {.partition = {.largest_leaf = 0}}) ==
+          "farfield::Nested: largest_leaf must be 1 or more");
+    CHECK(build_refusal<Halls>(triangles, {.partition = {.inner = {.price_of_cut = nan}}}) ==
+          "farfield::PolygonBsp: price_of_cut must be 0 or more and finite");
+    for (const float bad : {nan, infinity, -1.0f}) {
+        CHECK(build_refusal<Cubes>(triangles, {.cost_model = {.triangles_per_splat = bad}}) ==
+              "farfield::TriangleCount: prices must be 0 or more and finite");
+        CHECK(build_refusal<Timed>(triangles, {.cost_model = {.run = bad}}) ==
+              "farfield::MeasuredTime: prices must be 0 or more and finite");
+        CHECK(build_refusal<Cubes>(triangles, {.approximation = {.coverage_threshold = bad}}) ==
+              "farfield::ColorCube: coverage_threshold must lie between 0 and 1");
+        CHECK(build_refusal<Clusters>(triangles, {.approximation = {.coverage_threshold = bad}}) ==
+              "farfield::ColorCubeCluster: coverage_threshold must lie between 0 and 1");
+        CHECK(build_refusal<Cubes>(triangles, {.sampler = DirectionalLight{.ambient = bad}}) ==
+              "farfield::DirectionalLight: ambient must be 0 or more and finite");
+        CHECK(build_refusal<Cubes>(triangles, {.sampler = DirectionalLight{.diffuse = bad}}) ==
+              "farfield::DirectionalLight: diffuse must be 0 or more and finite");
+    }
+    for (const glm::vec3 bad : {glm::vec3(0), glm::vec3(0, nan, 0), glm::vec3(infinity, 0, 1)}) {
+        CHECK(build_refusal<Cubes>(triangles, {.sampler = DirectionalLight{.towards = bad}}) ==
+              "farfield::DirectionalLight: towards must be finite and not 0");
+    }
+}
+
+TEST_CASE("an instance of nothing, or of other primitives, is refused by its number") {
+    using Placed = Instance<Cubes, Triangle>;
+    const Triangles triangles = random_triangles(50, 740);
+    const Cubes inner = build<Cubes>(triangles);
+    std::vector<Placed> things{{&inner, triangles, {}}, {&inner, triangles, {}}};
+    CHECK(build_refusal<Cubes>(things, {}) == "taken");
+    things[1].hierarchy = nullptr;
+    CHECK(build_refusal<Cubes>(things, {}) == "farfield: primitive 1 is an instance without a hierarchy");
+    things[1] = {&inner, std::span(triangles).first(49), {}};
+    CHECK(build_refusal<Cubes>(things, {}) ==
+          "farfield: primitive 1 is an instance with fewer or more primitives than its hierarchy was built from");
+    things[1] = {&inner, triangles, {}};
+    things[1].to_world.translation.y = std::numeric_limits<double>::quiet_NaN();
+    CHECK(build_refusal<Cubes>(things, {}) ==
+          "farfield: primitive 1 has a bounding box that is not finite (NaN or infinity)");
 }

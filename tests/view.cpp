@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "catch.hpp"
 #include "support/random.hpp"
@@ -48,4 +49,86 @@ TEST_CASE("numbers that make no camera are refused") {
     CHECK_THROWS_AS(Camera::perspective({0, 0, nan}, target, up, 1), std::invalid_argument);
     CHECK_THROWS_AS(Camera::perspective({0, 0, infinity}, target, up, 1), std::invalid_argument);
     CHECK_THROWS_AS(Camera::perspective(eye, {nan, 0, 0}, up, 1), std::invalid_argument);
+}
+
+namespace {
+std::string refusal(const View& view) {
+    try {
+        view.check();
+        return "taken";
+    } catch (const std::invalid_argument& e) {
+        return e.what();
+    }
+}
+}  // namespace
+
+TEST_CASE("a field that makes no picture is refused by its name") {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    View good;
+    good.camera = Camera::perspective({0, 0, 1}, {}, {0, 1, 0}, 1);
+    CHECK(refusal(View{}) == "taken");
+    CHECK(refusal(good) == "taken");
+    const auto refused = [&](auto&& change) {
+        View v = good;
+        change(v);
+        return refusal(v);
+    };
+    const std::string camera = "farfield::Camera: ", view = "farfield::View: ";
+    for (const double bad : {double(nan), double(infinity), -double(infinity)}) {
+        CHECK(refused([&](View& v) { v.camera.eye.y = bad; }) == camera + "eye must be finite");
+        CHECK(refused([&](View& v) { v.camera.off_center.x = bad; }) ==
+              camera + "off_center must be finite and within 2^30");
+    }
+    for (const float bad : {nan, infinity, 2.0f, 0.5f}) {
+        CHECK(refused([&](View& v) { v.camera.right *= bad; }) == camera + "right must have length 1");
+        CHECK(refused([&](View& v) { v.camera.up *= bad; }) == camera + "up must have length 1");
+        CHECK(refused([&](View& v) { v.camera.forward *= bad; }) == camera + "forward must have length 1");
+    }
+    CHECK(refused([&](View& v) { v.camera.up = v.camera.right; }) ==
+          camera + "right, up and forward must be at right angles");
+    CHECK(refused([&](View& v) { v.camera.projection = Projection(7); }) ==
+          camera + "projection must be perspective or orthographic");
+    for (const float bad : {nan, infinity, 0.0f, -1.0f}) {
+        CHECK(refused([&](View& v) { v.camera.half_height = bad; }) ==
+              camera + "half_height must be above 0 and finite");
+        if (bad != 0) {
+            CHECK(refused([&](View& v) { v.camera.half_width = bad; }) ==
+                  camera + "half_width must be above 0 and finite, or 0");
+            CHECK(refused([&](View& v) { v.camera.near_depth = bad; }) ==
+                  camera + "near_depth must be 0 or more and finite");
+            CHECK(refused([&](View& v) { v.tolerance_px = bad; }) ==
+                  view + "tolerance_px must be 0 or more and finite");
+        }
+        if (bad != infinity) {
+            CHECK(refused([&](View& v) { v.camera.far_depth = bad; }) == camera + "far_depth must be above near_depth");
+        }
+    }
+    for (const int bad : {0, -5}) {
+        CHECK(refused([&](View& v) { v.width = bad; }) == view + "width must be 1 or more");
+        CHECK(refused([&](View& v) { v.height = bad; }) == view + "height must be 1 or more");
+    }
+    CHECK(refused([&](View& v) { v.distance = DistanceMeasure(9); }) ==
+          view + "distance must be nearest_point or depth");
+    CHECK(refused([](View& v) {
+              v.camera.right = {0.6f, 0, 0.8f};  // a mirror's, unlike the one below
+              v.camera.forward = {-0.8f, 0, 0.6f};
+          }) == "taken");
+    CHECK_THROWS_WITH(Camera::perspective({0, 0, 1}, {}, {0, 1, 0}, 60),
+                      "farfield::Camera: the field of view must lie between 0 and pi radians; 60 degrees are 1.05");
+}
+
+TEST_CASE("a tile is a part of the picture") {
+    View whole;
+    whole.camera = Camera::perspective({0, 0, 1}, {}, {0, 1, 0}, 1);
+    whole.width = 600;
+    whole.height = 400;
+    const View left = whole.tile(0, 0, 300, 400), upper = whole.tile(0, 0, 600, 100);
+    CHECK(left.camera.off_center == glm::dvec2(-1, 0));
+    CHECK(left.camera.half_height == whole.camera.half_height);
+    CHECK(upper.camera.off_center == glm::dvec2(0, 3));
+    CHECK(upper.camera.half_height == whole.camera.half_height / 4);
+    const View again = left.tile(150, 200, 150, 200), same = whole.tile(150, 200, 150, 200);
+    CHECK(again.camera.off_center == same.camera.off_center);
+    CHECK(again.camera.half_height == same.camera.half_height);
+    CHECK_THROWS_AS(whole.tile(0, 0, 0, 10), std::invalid_argument);
 }

@@ -129,10 +129,10 @@ TEST_CASE("pictures are the same from a renderer's copy and from the user's arra
     using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
     using Bsp = SpatialHierarchy<PolygonBsp, Exact, TriangleCount>;
     const Triangles few = random_triangles(200, 114, 0.5f);
-    const auto tensors = build<Tensors>(triangles);
+    const auto tensors = build<Tensors>(triangles, {.sampler = DirectionalLight{}});
     const auto bsp = build<Bsp>(few);
     Triangles in_order = triangles;
-    const auto in_place = build_in_place<Tensors>(in_order);
+    const auto in_place = build_in_place<Tensors>(in_order, {.sampler = DirectionalLight{}});
     const auto check = [&]<class R>(std::in_place_type_t<R>, const auto& h, const Triangles& primitives) {
         for (const bool deposits : {false, true}) {
             ZBufferOptions options{.samples = 4, .light = DirectionalLight{}, .deposits_small_triangles = deposits};

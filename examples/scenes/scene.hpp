@@ -33,6 +33,8 @@ struct Scene {
     /// Where the root's zero lies in the coordinates of the file that the scene is from: not 0 only if single precision
     /// would be too coarse there.
     glm::dvec3 origin{0.0, 0.0, 0.0};
+    /// What the file has and the scene has not (further models, textures that are missing), one line each.
+    std::vector<std::string> notes{};
 };
 
 // All below throw std::invalid_argument if there is no group, or if a placement names a group that is not

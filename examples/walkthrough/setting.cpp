@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <iostream>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -19,8 +20,19 @@ namespace {
 bool has_atoms(const std::filesystem::path& file) {
     std::string extension = file.extension().string();
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-    constexpr std::array<std::string_view, 7> known{".pdb", ".ent", ".xyz", ".dump", ".lammpstrj", ".data", ".lmp"};
+    constexpr std::array<std::string_view, 9> known{".pdb",  ".ent",       ".cif",  ".mmcif", ".xyz",
+                                                    ".dump", ".lammpstrj", ".data", ".lmp"};
     return std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+/// In one line: whoever looks at the pictures is to know what they lack.
+void say_what_is_left_out(const std::string& file, const std::vector<std::string>& notes) {
+    constexpr std::size_t most = 4;
+    if (notes.empty()) return;
+    std::cerr << "walkthrough: " << file << ": ";
+    for (std::size_t i = 0; i < std::min(notes.size(), most); ++i) std::cerr << (i > 0 ? "; " : "") << notes[i];
+    if (notes.size() > most) std::cerr << "; and " << notes.size() - most << " more";
+    std::cerr << '\n';
 }
 
 farfield::scenes::Scene load(const std::string& file, const std::vector<std::string>& names) {
@@ -31,7 +43,9 @@ farfield::scenes::Scene load(const std::string& file, const std::vector<std::str
         throw UsageError("no scene and no file '" + file + "'; known scenes are " + known);
     }
     try {
-        return farfield::scenes::load(file);
+        farfield::scenes::Scene scene = farfield::scenes::load(file);
+        say_what_is_left_out(file, scene.notes);
+        return scene;
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& e) {

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <ranges>
 #include <span>
 #include <type_traits>
@@ -53,23 +54,44 @@ concept ContiguousPrimitives = std::ranges::contiguous_range<Range> && std::rang
 template <class H, Primitive P, class Sampler>
 typename H::Data build_data(std::span<const P> primitives, const BuildOptions<H, Sampler>& options) {
     const BuildControl control(options.executor, options.progress);
-    return HierarchyBuilder<H, P, Sampler>(primitives, options.partition, options.approximation, options.cost_model,
-                                           options.sampler,
-                                           {options.memory_budget_bytes, options.most_pieces_per_polygon}, control)
-        .build();
+    check_options(options.partition);
+    check_options(options.approximation);
+    check_options(options.cost_model);
+    check_options(options.sampler);
+    auto data = HierarchyBuilder<H, P, Sampler>(primitives, options.partition, options.approximation,
+                                                options.cost_model, options.sampler,
+                                                {options.memory_budget_bytes, options.most_pieces_per_polygon}, control)
+                    .build();
+    if constexpr (H::approximation_type::facts.stands_in && TellsItsLight<Sampler>) {
+        const std::optional<DirectionalLight> light = options.sampler.light;
+        data.facts.baked_light = light ? BakedLight::directional : BakedLight::none;
+        data.facts.light = light.value_or(DirectionalLight{});
+    }
+    return data;
 }
 
 }  // namespace detail
 
 /// H is a SpatialHierarchy; any contiguous range of primitives will do. It is not kept: a Viewer is given it again.
-/// Throws std::invalid_argument naming the first primitive whose bounding box is empty or not finite, or that has a
-/// cost below 0; BuildCanceled if the progress callback says so.
+/// Throws std::invalid_argument naming an option that makes no sense, or the first primitive whose bounding box is
+/// empty or not finite, that has a cost below 0, or that is an instance of nothing; BuildCanceled if the progress
+/// callback says so.
 template <class H, OrthographicSampler Sampler = GridSampler, detail::ContiguousPrimitives Range>
-requires BuildableFrom<H, std::ranges::range_value_t<Range>> H build(const Range& primitives,
-                                                                     const BuildOptions<H, Sampler>& options = {}) {
+H build(const Range& primitives, const BuildOptions<H, Sampler>& options = {}) {
     using P = std::ranges::range_value_t<Range>;
+    static_assert(detail::check_buildable<H, P>());
+    static_assert(detail::check_sampler<Sampler>());
     const std::span<const P> all(std::ranges::data(primitives), std::ranges::size(primitives));
     return H(options.partition, options.approximation, options.cost_model, detail::build_data(all, options));
+}
+
+/// Says how a build names what it builds.
+template <class Hierarchy = void, std::ranges::range Range>
+requires std::is_void_v<Hierarchy>
+void build(Range&&, const auto&...) {
+    static_assert(
+        !std::is_void_v<Hierarchy>,
+        "farfield: name the hierarchy: build<SpatialHierarchy<Octree, OpacityTensor, TriangleCount>>(primitives)");
 }
 
 /// Builds as build() does, and puts the primitives into the hierarchy's order, so that no list of indices is needed:

@@ -4,6 +4,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 namespace farfield {
@@ -33,6 +34,11 @@ struct Work {
                 w.texels * times,    w.cells * times, w.runs * times};
     }
 };
+
+/// Whether a cost model may ask that much for something: no NaN, nothing below 0.
+inline bool is_price(float price) {
+    return price >= 0 && price <= std::numeric_limits<float>::max();
+}
 
 /// One number, in one declared unit, for all kinds of work together.
 template <class C>

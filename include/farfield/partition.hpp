@@ -17,6 +17,23 @@
 
 namespace farfield {
 
+namespace detail {
+/// Policies and samplers may say what is wrong with their options: `const char* wrong_option() const`, null where all
+/// is well. Builds ask before anything is done, open() of what files say.
+template <class T>
+concept ChecksOptions = requires(const T& policy) {
+    { policy.wrong_option() } -> std::same_as<const char*>;
+};
+template <class T>
+const char* wrong_option([[maybe_unused]] const T& policy) {
+    if constexpr (ChecksOptions<T>) {
+        return policy.wrong_option();
+    } else {
+        return nullptr;
+    }
+}
+}  // namespace detail
+
 /// Which cells get a primitive: every cell that it touches; one cell; or its polygons are cut and each piece has a
 /// cell.
 enum class Assignment : std::uint8_t { shared = 1, unique = 2, clipped = 4 };

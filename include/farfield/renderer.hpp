@@ -5,10 +5,12 @@
 #include <concepts>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "farfield/drawables.hpp"
 #include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/light.hpp"
 #include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/visit_order.hpp"
 #include "farfield/view/local_view.hpp"
@@ -24,10 +26,12 @@ struct RendererFacts {
         VisitOrder::front_to_back;  ///< back_to_front: stand-ins are replayed after everything else
     bool keeps_sources = false;     ///< std::uint32_t upload(Source<P>) once a source, release(id) when it goes
     bool tells_lifetime = false;    ///< std::weak_ptr<const void> lifetime() const: expires when the renderer goes
-    bool draws_faces = false;       ///< draw(std::span<const Face>)
-    bool draws_splats = false;      ///< draw(std::span<const Splat>), float largest_splat_px()
-    bool draws_polygons = false;    ///< draw(std::span<const Polygon>): pieces made for this frame, local coordinates
-    bool answers_hidden = false;    ///< bool hidden(const Cell&, CellId): may err only towards false
+    bool tells_light =
+        false;  ///< std::optional<DirectionalLight> light() const: what primitives get and stand-ins have
+    bool draws_faces = false;     ///< draw(std::span<const Face>)
+    bool draws_splats = false;    ///< draw(std::span<const Splat>), float largest_splat_px()
+    bool draws_polygons = false;  ///< draw(std::span<const Polygon>): pieces made for this frame, local coordinates
+    bool answers_hidden = false;  ///< bool hidden(const Cell&, CellId): may err only towards false
     /// bool deposits_primitives() const, asked once a frame or selection: whether its ranges carry their cell's law
     /// where it is known. Cells with a law come front to back, in order with the stand-ins among them.
     bool deposits_primitives = false;
@@ -63,6 +67,11 @@ concept TellsLifetime = requires(const R& r) {
 };
 
 template <class R>
+concept TellsLight = requires(const R& r) {
+    { r.light() } -> std::convertible_to<std::optional<DirectionalLight>>;
+};
+
+template <class R>
 concept DrawsFaces = requires(R& r, std::span<const Face> faces) {
     r.draw(faces);
 };
@@ -94,6 +103,8 @@ concept KeepsSourcesIfStated = !R::facts.keeps_sources || KeepsSources<R, P>;
 template <class R>
 concept TellsLifetimeIfStated = !R::facts.tells_lifetime || TellsLifetime<R>;
 template <class R>
+concept TellsLightIfStated = !R::facts.tells_light || TellsLight<R>;
+template <class R>
 concept DrawsFacesIfStated = !R::facts.draws_faces || DrawsFaces<R>;
 template <class R>
 concept DrawsSplatsIfStated = !R::facts.draws_splats || DrawsSplats<R>;
@@ -108,7 +119,8 @@ concept DepositsPrimitivesIfStated = !R::facts.deposits_primitives || DepositsPr
 
 template <class R, class P>
 concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && detail::KeepsSourcesIfStated<R, P> &&
-    detail::TellsLifetimeIfStated<R> && detail::DrawsFacesIfStated<R> && detail::DrawsSplatsIfStated<R> &&
-    detail::DrawsPolygonsIfStated<R> && detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R>;
+    detail::TellsLifetimeIfStated<R> && detail::TellsLightIfStated<R> && detail::DrawsFacesIfStated<R> &&
+    detail::DrawsSplatsIfStated<R> && detail::DrawsPolygonsIfStated<R> && detail::AnswersHiddenIfStated<R> &&
+    detail::DepositsPrimitivesIfStated<R>;
 
 }  // namespace farfield

@@ -8,9 +8,11 @@
 #include <concepts>
 #include <cstddef>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 
 #include "farfield/geometry/box.hpp"
+#include "farfield/geometry/light.hpp"
 #include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/rgba8.hpp"
 
@@ -53,6 +55,12 @@ concept OrthographicSampler = std::copyable<S> &&
 template <class S>
 concept LightsPolygons = requires(const S& s, const Polygon& polygon, glm::vec3 facing_viewer) {
     { s.brightness(polygon, facing_viewer) } -> std::convertible_to<float>;
+};
+
+/// A sampler that tells the light in its colors, if there is one, so that viewers can compare it with the renderer's.
+template <class S>
+concept TellsItsLight = requires(const S& s) {
+    { s.light } -> std::convertible_to<std::optional<DirectionalLight>>;
 };
 
 namespace archetype {

@@ -21,9 +21,10 @@ namespace farfield {
 /// Immutable and cheap to copy: copies share the arrays. Any number of viewers on any number of threads may use one. It
 /// holds positions of primitives, never primitives: the range it was built from meets it again in the Viewer,
 /// unchanged.
-template <Partition Partition_, Approximation A, CostModel C>
-requires Composable<Partition_, A, C>
+template <class Partition_, class A, class C>
 class SpatialHierarchy {
+    static_assert(detail::check_policies<Partition_, A, C>());
+
   public:
     using partition_type = Partition_;
     using approximation_type = A;

@@ -37,8 +37,9 @@ concept OwningTemporary =
 /// Borrows hierarchy, primitives and renderer, which outlive it. Not to be used by two threads at once; many viewers
 /// may share a hierarchy. Frames do not allocate once buffers have grown to what the scene needs.
 template <class H, class P, class R>
-requires BuildableFrom<H, P> && DrawableWith<H, P, R>
 class Viewer {
+    static_assert(detail::check_drawable<H, P, R>());
+
   public:
     /// Throws std::invalid_argument if the span is not the one (by count; for hierarchies from files also by bounds)
     /// that the hierarchy, or an instance in it, was built from; or if the renderer needs polygons in strict order and
@@ -114,9 +115,7 @@ class Viewer {
     }
 
   private:
-    LocalView outermost(const View& view) const {
-        return LocalView(view, hierarchy_.origin(), hierarchy_.bounds());
-    }
+    LocalView outermost(const View& view) const { return LocalView(view, hierarchy_.origin(), hierarchy_.bounds()); }
 
     void begin(const LocalView& local, const View& view) {
         sources_.check_renderer("farfield::Viewer");
@@ -154,12 +153,10 @@ class Viewer {
 
 /// Prefer this to naming the type: where something is missing, compilers say what.
 template <class H, class P, class R>
-requires BuildableFrom<H, P> && DrawableWith<H, P, R>
 auto make_viewer(const H& hierarchy, std::span<const P> primitives, R& renderer) {
     return Viewer<H, P, R>(hierarchy, primitives, renderer);
 }
 template <class H, class P, class R>
-requires BuildableFrom<H, P> && DrawableWith<H, P, R>
 auto make_viewer(const H& hierarchy, const std::vector<P>& primitives, R& renderer) {
     return Viewer<H, P, R>(hierarchy, std::span<const P>(primitives), renderer);
 }

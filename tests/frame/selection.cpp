@@ -67,9 +67,8 @@ struct World {
         inner = build<Cubes>(inner_things);
         Random random(721);
         for (int i = 0; i < 12; ++i) {
-            Similarity at;
-            at.scale = random.between(0.2f, 0.6f);
-            at.translation = glm::dvec3(random.in_cube(2));
+            const float scale = random.between(0.2f, 0.6f);
+            const Similarity at(glm::mat3(1.0f), scale, glm::dvec3(random.in_cube(2)));
             things.push_back({Instance<Cubes, Thing>{&inner, inner_things, at}});
         }
         for (const Triangle& t : random_triangles(2000, 722, 0.05f)) things.push_back({t});

@@ -1,6 +1,10 @@
 #include "farfield/frame/source_table.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -93,6 +97,22 @@ TEST_CASE("an instance without a hierarchy is named") {
     SourceTable<Naming> table(renderer);
     CHECK_THROWS_WITH(table.add_all(outer, std::span<const Placed>(instances)),
                       "farfield::Viewer: primitive 1 is an instance without a hierarchy");
+}
+
+TEST_CASE("sources in even steps of memory are told apart by their hashes") {
+    // As in arrays of hierarchies and of meshes.
+    for (const std::uintptr_t hierarchy_step : {16u, 64u, 1024u, 4096u}) {
+        for (const std::uintptr_t primitive_step : {16u, 64u, 1024u, 4096u}) {
+            std::set<std::size_t> hashes;
+            for (std::uintptr_t i = 0; i < 5000; ++i) {
+                const std::uintptr_t hierarchy = 0x7f0000001000u + i * hierarchy_step,
+                                     primitives = 0x7f1000001000u + i * primitive_step;
+                hashes.insert(detail::HashOfSourceKey{}(
+                    {reinterpret_cast<const void*>(hierarchy), reinterpret_cast<const void*>(primitives)}));
+            }
+            CHECK(hashes.size() == 5000);
+        }
+    }
 }
 
 TEST_CASE("instances that were changed since are noticed") {

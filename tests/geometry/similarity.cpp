@@ -28,7 +28,7 @@ TEST_CASE("rotation, uniform scale and translation are taken, with the rounding 
         const glm::mat4 m = any_similarity(random, scale);
         Similarity s;
         REQUIRE_NOTHROW(s = Similarity(m));
-        CHECK(std::abs(s.scale / scale - 1) < 1e-5f);
+        CHECK(std::abs(s.scale() / scale - 1) < 1e-5f);
         const glm::vec3 p = random.in_cube(1);
         const glm::vec3 expected = glm::vec3(m * glm::vec4(p, 1));
         CHECK(glm::length(glm::vec3(s.apply(glm::dvec3(p))) - expected) < 1e-5f * (200 + scale));

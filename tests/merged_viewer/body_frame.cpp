@@ -20,10 +20,8 @@ Cell unit_cell() {
 
 TEST_CASE("a plane of one body is that of another, where that is") {
     // A body twice as large, turned about y by a quarter turn, and moved.
-    Similarity placed;
-    placed.rotation = glm::mat3(glm::vec3(0, 0, -1), glm::vec3(0, 1, 0), glm::vec3(1, 0, 0));
-    placed.scale = 2;
-    placed.translation = {1, -1, 3};
+    const glm::mat3 turn(glm::vec3(0, 0, -1), glm::vec3(0, 1, 0), glm::vec3(1, 0, 0));
+    const Similarity placed(turn, 2, {1, -1, 3});
     const LocalView outer(looking({0, 1, 8}), glm::dvec3(0), 4);
     const BodyFrame world(outer), body(outer.inside(placed, glm::dvec3(0), glm::dvec3(0)));
     Random random(510);

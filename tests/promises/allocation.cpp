@@ -124,7 +124,7 @@ TEST_CASE("the third time along a path no frame allocates") {
     const std::size_t counts = allocations().count - before_anything;
     REQUIRE(counts == 1);
     for (const Variant& variant : all_variants()) {
-        const auto h = variant.build(triangles);
+        const auto h = variant.build(triangles, DirectionalLight{});
         for (const int samples : {1, 4}) {
             ZBufferRenderer renderer(ZBufferOptions{.samples = samples, .light = DirectionalLight{}});
             const auto viewer = h->viewer(renderer);

@@ -203,7 +203,7 @@ TEST_CASE("what cannot be split says why") {
                   0);
         }
         // The root alone fits.
-        const auto held = variant.build_with(many, 4 * many.size() + 50);
+        const auto held = variant.build_with(many, 4 * many.size() + 50, {});
         const auto free = variant.build(many);
         CHECK(held->report().cells_over_memory_budget > 0);
         CHECK((held->report().cells_out_of_order > 0) == variant.is_clipped);

@@ -52,7 +52,7 @@ TEST_CASE("without tolerance the picture is that of a plain loop, byte for byte"
         const std::vector<View> views = views_of(96);
         for (const View& view : views) plain.push_back(plain_picture<Triangle>(triangles, view, options));
         for (const Variant& variant : all_variants()) {
-            const auto h = variant.build(triangles);
+            const auto h = variant.build(triangles, *options.light);
             ZBufferRenderer renderer(options);
             const auto viewer = h->viewer(renderer);
             for (std::size_t i = 0; i < views.size(); ++i) {

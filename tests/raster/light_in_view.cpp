@@ -31,13 +31,11 @@ TEST_CASE("in a turned instance the light is turned back, and comes from where i
         // Two of three axes of a turn, and the third.
         const glm::vec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction())),
                         z = glm::cross(x, y);
-        Similarity placed;
-        placed.rotation = glm::mat3(x, y, z);
-        placed.scale = random.between(0.1f, 5);
-        placed.translation = glm::dvec3(random.in_cube(3));
+        const float scale = random.between(0.1f, 5);
+        const Similarity placed(glm::mat3(x, y, z), scale, glm::dvec3(random.in_cube(3)));
         const LocalView inner = outer.inside(placed, glm::dvec3(0), glm::dvec3(0));
         light.set_view(inner);
-        CHECK(glm::length(placed.rotation * light.light()->towards - given.towards) < 1e-5f);
+        CHECK(glm::length(placed.rotation() * light.light()->towards - given.towards) < 1e-5f);
         // Out of the instance it is the same again.
         light.set_view(outer);
         CHECK(glm::length(light.light()->towards - given.towards) < 1e-6f);

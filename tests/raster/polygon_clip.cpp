@@ -21,7 +21,7 @@ LocalView local(const View& view) {
 double inside(const glm::dvec3& p, const SampleProjection& to) {
     const double w = p.z * double(to.depth_weight) + double(to.depth_bias);
     const double reach = double(SampleProjection::guard_band) * 256 * w;
-    double least = std::min(reach - std::abs(p.x), reach - std::abs(p.y)) / (double(to.focal) * 256);
+    double least = std::min(reach - std::abs(p.x), reach - std::abs(p.y)) / (double(to.focal.x) * 256);
     if (std::isfinite(to.near_depth)) least = std::min(least, p.z - double(to.near_depth));
     return least;
 }
@@ -70,7 +70,7 @@ TEST_CASE("what is left lies inside, and nothing that lies inside is lost", "[ra
         gone += polygon.size() == 0;
         for (std::size_t i = 0; i < polygon.size(); ++i) {
             cut += polygon[i].is_cut;
-            const double scale = glm::length(polygon[i].p / glm::dvec3(to.focal * 256, to.focal * 256, 1));
+            const double scale = glm::length(polygon[i].p / glm::dvec3(to.focal.x * 256, to.focal.y * 256, 1));
             outside += inside(polygon[i].p, to) < -1e-9 * (1 + scale * double(SampleProjection::guard_band));
         }
         // Points of the triangle, as combinations of its corners, are points of what is left if they lie inside.

@@ -45,9 +45,8 @@ TEST_CASE("depths in instances of any scale are those of the world", "[raster]")
     Random random(821);
     for (int i = 0; i < 500; ++i) {
         const LocalView outer(i % 2 ? looking({0, 0, 4}) : looking_orthographic({0, 0, 4}, {}, 3), glm::dvec3(0), 4);
-        Similarity placed;
-        placed.scale = random.between(0.1f, 3);
-        placed.translation = glm::dvec3(random.in_cube(0.5f));
+        const float scale = random.between(0.1f, 3);
+        const Similarity placed(glm::mat3(1.0f), scale, glm::dvec3(random.in_cube(0.5f)));
         const SampleProjection world(outer, 2), inside(outer.inside(placed, glm::dvec3(0), glm::dvec3(0)), 2);
         const glm::vec3 p = random.in_cube(0.5f);
         const glm::dvec3 a = on_grid(inside, p), b = on_grid(world, glm::vec3(placed.apply(glm::dvec3(p))));

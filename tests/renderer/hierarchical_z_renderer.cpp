@@ -259,10 +259,9 @@ TEST_CASE("hierarchical z: instances of any scale hide each other", "[raster]") 
     using Placed = Instance<Inner, Triangle>;
     std::vector<Placed> placed;
     for (int i = 0; i < 30; ++i) {
-        Similarity at;
-        at.scale = std::pow(10.0f, random.between(-0.5f, 0.5f));
-        at.translation = glm::dvec3(random.in_cube(2)) + glm::dvec3(0, 0, -4.0 * i);
-        placed.push_back(Placed{&inner, things, at});
+        const float scale = std::pow(10.0f, random.between(-0.5f, 0.5f));
+        const glm::dvec3 at = glm::dvec3(random.in_cube(2)) + glm::dvec3(0, 0, -4.0 * i);
+        placed.push_back(Placed{&inner, things, {glm::mat3(1.0f), scale, at}});
     }
     const auto outer = build<SpatialHierarchy<Octree, Exact, TriangleCount>>(placed);
     for (const View& view :

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -47,6 +48,15 @@ class TemporaryDirectory {
 inline std::string content_of(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Empty, with a message, where there are no such files.
+inline std::filesystem::path shared_data() {
+    const char* const named = std::getenv("FARFIELD_SHARED_DATA");  // set by ctest
+    const std::filesystem::path folder = named != nullptr ? named : "../shared/data";
+    if (std::filesystem::is_directory(folder)) return folder;
+    WARN("skipped: there is no " << folder.string());
+    return {};
 }
 
 /// Colors as in the file.

@@ -1,8 +1,6 @@
 // Files of others: what each must give is written in the README beside them.
 #include "scenes/load/load.hpp"
 
-#include <cstdlib>
-
 #include "files.hpp"
 
 using namespace farfield;
@@ -10,15 +8,6 @@ using namespace farfield::scenes;
 using namespace farfield::scenes::test;
 
 namespace {
-
-/// Empty, with a message, where there are no such files.
-std::filesystem::path shared_data() {
-    const char* const named = std::getenv("FARFIELD_SHARED_DATA");  // set by ctest
-    const std::filesystem::path folder = named != nullptr ? named : "../shared/data";
-    if (std::filesystem::is_directory(folder)) return folder;
-    WARN("skipped: there is no " << folder.string());
-    return {};
-}
 
 struct Expected {
     const char* file;

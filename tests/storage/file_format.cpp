@@ -48,12 +48,14 @@ TEST_CASE("what can be stored is stated by concepts") {
 }
 
 // Byte by byte: whoever makes this test fail makes a new version of the format.
-TEST_CASE("version 2 lies in files like this") {
+TEST_CASE("version 3 lies in files like this") {
     HierarchyData<Octree, ColorCube> parts;
     parts.nodes = {Node{1, 0, 1, 0b101, 0b100, 1, 0}, Node{0, 1, 0, 0, 0, 255, 0}, Node{0, 2, 0, 0, 0, 0, 0}};
     parts.stand_ins = {ColorCube::stand_in_data{Rgba8{1, 2, 3, 4}}, ColorCube::stand_in_data{Rgba8{5, 6, 7, 8}}};
     parts.order = {2, 0, 1};
     parts.facts.root_has_stand_in = 1;
+    parts.facts.baked_light = BakedLight::directional;
+    parts.facts.light = {{7, 8, 9}, 0.25f, 0.5f};
     parts.facts.bounds = {{-1, -2, -3}, {1, 2, 3}};
     parts.facts.root = {{0, 0, 0}, {3, 3, 3}, {0, 0, 0}, {6, 6, 6}, 0, 0};
     parts.facts.origin = {100, 200, 300};
@@ -85,16 +87,16 @@ TEST_CASE("version 2 lies in files like this") {
                       "\x89"
                       "FFH\r\n\x1a\n",
                       8) == 0);
-    CHECK(at(8, u32) == 2);
+    CHECK(at(8, u32) == 3);
     CHECK(at(12, u32) == 0x01020304);
-    CHECK(at(16, u32) == 624);
+    CHECK(at(16, u32) == 648);
     CHECK(at(20, u32) == Octree::facts.file_tag);
     CHECK(at(24, u32) == ColorCube::facts.file_tag);
     CHECK(at(28, u32) == TriangleCount::file_tag);
     CHECK(at(32, u64) == bytes.size());
-    const std::uint64_t expected[11][3] = {{640, 1, 8},  {704, 1, 15},  {768, 1, 24}, {832, 3, 16},
-                                           {896, 0, 0},  {896, 2, 24},  {960, 0, 0},  {960, 3, 4},
-                                           {1024, 0, 4}, {1024, 0, 12}, {1024, 0, 4}};
+    const std::uint64_t expected[11][3] = {{704, 1, 8},  {768, 1, 15},  {832, 1, 24},  {896, 3, 16},
+                                           {960, 0, 0},  {960, 2, 24},  {1024, 0, 0},  {1024, 3, 4},
+                                           {1088, 0, 4}, {1088, 0, 12}, {1088, 0, 4}};
     for (std::size_t s = 0; s < 11; ++s) {
         INFO(section_names[s]);
         for (std::size_t i = 0; i < 3; ++i) CHECK(at(40 + 32 * s + 8 * i, u64) == expected[s][i]);
@@ -121,14 +123,20 @@ TEST_CASE("version 2 lies in files like this") {
     CHECK(at(564, 0.0f) == 6);
     CHECK(at(580, 0.0f) == 3);
     CHECK(at(608, u32) == 1);
-    CHECK(at(612, u32) == 0);
-    CHECK(at(616, u64) == Xxh64::of(std::as_bytes(std::span(bytes)).first(616)));
-    CHECK(at(640, u32) == 9);
-    CHECK(at(704, u32) == 5);
-    CHECK(bytes[708] == 1);
-    CHECK(at(832, u32) == 1);
-    CHECK(bytes[844] == 0b101);
-    CHECK(at(920, u16) == 0x0605);
-    CHECK(at(960, u32) == 2);
-    CHECK(bytes.size() == 972);
+    CHECK(at(612, u32) == 2);
+    CHECK(at(616, 0.0f) == 7);
+    CHECK(at(620, 0.0f) == 8);
+    CHECK(at(624, 0.0f) == 9);
+    CHECK(at(628, 0.0f) == 0.25f);
+    CHECK(at(632, 0.0f) == 0.5f);
+    CHECK(at(636, u32) == 0);
+    CHECK(at(640, u64) == Xxh64::of(std::as_bytes(std::span(bytes)).first(640)));
+    CHECK(at(704, u32) == 9);
+    CHECK(at(768, u32) == 5);
+    CHECK(bytes[772] == 1);
+    CHECK(at(896, u32) == 1);
+    CHECK(bytes[908] == 0b101);
+    CHECK(at(984, u16) == 0x0605);
+    CHECK(at(1024, u32) == 2);
+    CHECK(bytes.size() == 1036);
 }

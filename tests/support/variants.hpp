@@ -17,6 +17,7 @@
 #include "farfield/hierarchy/hierarchy_data.hpp"
 #include "farfield/primitive/triangle.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/sampler/grid_sampler.hpp"
 #include "farfield/view/local_view.hpp"
 #include "support/recorder.hpp"
 
@@ -50,6 +51,8 @@ class AnyHierarchy {
     virtual float cost(const Work& work) const = 0;
     /// Arrays that do not depend on the scene's scale: all but node data and vertices of fragments.
     virtual std::vector<std::byte> bytes() const = 0;
+    /// Saved to memory and opened from there, which it keeps.
+    virtual std::unique_ptr<AnyHierarchy> stored() const = 0;
     virtual std::unique_ptr<AnyViewer> viewer(ZBufferRenderer& renderer) const = 0;
     virtual std::unique_ptr<AnyViewer> viewer(Recorder& renderer) const = 0;
     virtual std::unique_ptr<AnyViewer> viewer_of(std::span<const Triangle> other, Recorder& renderer) const = 0;
@@ -68,10 +71,14 @@ struct Variant {
     bool is_shared = false;
     bool is_clipped = false;
     bool stands_in = false;
-    std::function<std::unique_ptr<AnyHierarchy>(std::span<const Triangle>, std::uint64_t memory_budget_bytes)>
+    std::function<std::unique_ptr<AnyHierarchy>(std::span<const Triangle>, std::uint64_t memory_budget_bytes,
+                                                const GridSampler&)>
         build_with;
 
-    std::unique_ptr<AnyHierarchy> build(std::span<const Triangle> triangles) const { return build_with(triangles, 0); }
+    std::unique_ptr<AnyHierarchy> build(std::span<const Triangle> triangles, const GridSampler& sampler = {},
+                                        std::uint64_t memory_budget_bytes = 0) const {
+        return build_with(triangles, memory_budget_bytes, sampler);
+    }
 
     /// Pixels of a picture without stand-ins that differ from the plain loop's: none, but that corners of fragments are
     /// snapped to 1/256 sample, and that their normals are those of what rounding left of them.

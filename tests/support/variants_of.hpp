@@ -11,6 +11,8 @@
 
 #include "farfield/build.hpp"
 #include "farfield/spatial_hierarchy.hpp"
+#include "farfield/storage/open.hpp"
+#include "farfield/storage/save.hpp"
 #include "farfield/viewer.hpp"
 #include "support/triples.hpp"
 #include "support/variants.hpp"
@@ -85,6 +87,13 @@ class HierarchyOver final : public AnyHierarchy {
         if constexpr (!std::is_empty_v<typename H::pool_element>) add(hierarchy_.pool());
         return out;
     }
+    std::unique_ptr<AnyHierarchy> stored() const override {
+        static_assert(Storable<H>, "every variant that the library offers can be saved");
+        auto bytes = std::make_shared<std::vector<std::byte>>(saved_size(hierarchy_));
+        save(hierarchy_, std::span(*bytes));
+        const std::span<const std::byte> saved(*bytes);
+        return std::make_unique<HierarchyOver>(open<H>(saved, {}, bytes), triangles_);
+    }
     std::unique_ptr<AnyViewer> viewer(ZBufferRenderer& r) const override {
         return std::make_unique<ViewerOf<ZBufferRenderer>>(hierarchy_, triangles_, r);
     }
@@ -115,9 +124,9 @@ std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
         std::string(name_of(typename H::partition_type{})) + ", " + approximation + ", " + H::cost_model_type::unit,
         H::assignment == Assignment::shared, H::assignment == Assignment::clipped,
         H::approximation_type::facts.stands_in,
-        [](std::span<const Triangle> triangles, std::uint64_t memory_budget_bytes) {
+        [](std::span<const Triangle> triangles, std::uint64_t memory_budget_bytes, const GridSampler& sampler) {
             return std::unique_ptr<AnyHierarchy>(std::make_unique<HierarchyOver<H>>(
-                build<H>(triangles, {.memory_budget_bytes = memory_budget_bytes}), triangles));
+                build<H>(triangles, {.sampler = sampler, .memory_budget_bytes = memory_budget_bytes}), triangles));
         }}...};
 }
 

@@ -57,7 +57,10 @@ TEST_CASE("planes have unit normals, and the near one may be missing") {
     CHECK(view.planes[4] == glm::vec4(0, 0, 0, 1));
     const LocalView perspective(looking({1, 2, 3}), {}, 4);
     CHECK(perspective.near_depth == 4 * 0x1p-16f);
-    for (const glm::vec4& p : perspective.planes) CHECK(std::abs(glm::length(glm::vec3(p)) - 1) < 1e-6f);
+    CHECK(perspective.planes[5] == glm::vec4(0, 0, 0, 1));
+    View v = looking({1, 2, 3});
+    v.camera.far_depth = 5;
+    for (const glm::vec4& p : LocalView(v, {}, 4).planes) CHECK(std::abs(glm::length(glm::vec3(p)) - 1) < 1e-6f);
 }
 
 TEST_CASE("a view from inside an instance shows its points where the world's view does") {
@@ -76,7 +79,7 @@ TEST_CASE("a view from inside an instance shows its points where the world's vie
         m = glm::scale(m, glm::dvec3(scale));
         const Similarity placed(m);
         const LocalView inner = outer.inside(placed, outer_origin, inner_origin);
-        CHECK(inner.near_depth * placed.scale == Approx(0.5f));
+        CHECK(inner.near_depth * placed.scale() == Approx(0.5f));
         CHECK(inner.scale == Approx(scale));
         const glm::dvec3 p = glm::dvec3(random.in_cube(1)) / scale;
         const glm::dvec3 a = on_picture(outer, placed.apply(p) - outer_origin), b = on_picture(inner, p - inner_origin);

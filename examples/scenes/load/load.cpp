@@ -1,29 +1,14 @@
 #include "scenes/load/load.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <new>
+#include <utility>
 
 #include "scenes/light.hpp"
 #include "scenes/load/load_detail.hpp"
 
 namespace farfield::scenes {
 namespace detail {
-
-std::string read_file(const std::filesystem::path& file) {
-    std::error_code error;
-    const std::filesystem::file_status status = std::filesystem::status(file, error);
-    if (error || !std::filesystem::exists(status)) throw std::runtime_error("no such file");
-    if (!std::filesystem::is_regular_file(status)) throw std::runtime_error("is not a regular file");
-    const std::uintmax_t size = std::filesystem::file_size(file, error);
-    if (error) throw std::runtime_error(error.message());
-    std::ifstream in(file, std::ios::binary);
-    std::string content(static_cast<std::size_t>(size), '\0');
-    if (!in || !in.read(content.data(), static_cast<std::streamsize>(content.size()))) {
-        throw std::runtime_error("cannot be read");
-    }
-    return content;
-}
 
 Rgba8 color_of_kind(std::int64_t kind) {
     // Hues a golden section of the circle apart are far from all earlier ones.
@@ -36,50 +21,161 @@ Rgba8 color_of_kind(std::int64_t kind) {
     return to_rgba8({channel(0.0), channel(1.0 / 3.0), channel(2.0 / 3.0), 1.0f});
 }
 
+void bake_light(VertexColoredTriangle& triangle) {
+    const auto& v = triangle.vertices;
+    glm::vec3 a = v[1] - v[0], b = v[2] - v[0];
+    // Triangles of any size have a normal, if their sides are brought to about 1. By a power of two, so that no bit of
+    // it depends on the size.
+    int exponent = 0;
+    std::frexp(std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z), std::abs(b.x), std::abs(b.y), std::abs(b.z)}),
+               &exponent);
+    const float scale = std::ldexp(1.0f, std::clamp(-exponent, -126, 126));
+    a *= scale;
+    b *= scale;
+    const glm::vec3 cross = glm::cross(a, b);
+    const float size = glm::length(cross);
+    // No area: as if in half light.
+    const float facing = size > 0 ? glm::dot(cross / size, Light{}.to_sun) : 0.0f;
+    const float brightness = 0.675f + 0.325f * facing;
+    for (Rgba8& rgba : triangle.rgba) {
+        const glm::vec4 color = to_vec4(rgba);
+        rgba = to_rgba8(glm::vec4(glm::vec3(color) * brightness, color.a));
+    }
+}
+
+bool is_below_one(std::string_view decimal) {
+    const std::size_t e = std::min(decimal.find_first_of("eE"), decimal.size());
+    const std::string_view mantissa = decimal.substr(0, e);
+    const auto point = static_cast<std::int64_t>(std::min(mantissa.find('.'), mantissa.size()));
+    const auto first = static_cast<std::int64_t>(std::min(mantissa.find_first_of("123456789"), mantissa.size()));
+    std::int64_t exponent = 0;
+    if (e < decimal.size()) {
+        std::string_view digits = decimal.substr(e + 1);
+        if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+        const bool negative = !digits.empty() && digits.front() == '-';
+        exponent = number<std::int64_t>(digits).value_or(negative ? -(std::int64_t{1} << 62) : std::int64_t{1} << 62);
+    }
+    return point - first + exponent <= 0;
+}
+
 }  // namespace detail
 
 namespace {
 
-using detail::Triangles;
+using detail::Loaded;
 
-std::string lower_extension(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    for (char& c : extension) {
+enum class Format { off, ply, obj, gltf, pdb, mmcif, xyz, lammps_dump, lammps_data, height_field };
+
+std::string lower(std::string text) {
+    for (char& c : text) {
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     }
-    return extension;
+    return text;
 }
 
-/// `spheres` says that light, if asked for, is in the colors already.
-Triangles read(const std::filesystem::path& file, const LoadOptions& options, bool& spheres) {
-    const std::string extension = lower_extension(file);
-    const auto is = [&](auto... names) { return ((extension == names) || ...); };
-    if (is(".off", ".oogl")) return detail::read_off(detail::read_file(file));
-    if (is(".ply")) return detail::read_ply(detail::read_file(file));
-    if (is(".obj", ".gltf", ".glb")) return detail::read_with_assimp(file);
-    spheres = true;
-    if (is(".pdb", ".ent")) return detail::read_pdb(detail::read_file(file), options);
-    if (is(".xyz")) return detail::read_xyz(detail::read_file(file), options);
-    if (is(".dump", ".lammpstrj")) return detail::read_lammps_dump(detail::read_file(file), options);
-    if (is(".data", ".lmp")) return detail::read_lammps_data(detail::read_file(file), options);
-    throw std::runtime_error("unknown extension " + detail::in_quotes(extension) +
-                             "; known are .off .oogl .ply .obj .gltf .glb .pdb .ent .xyz .dump .lammpstrj "
-                             ".data .lmp");
+/// Without the ".gz" of a packed file.
+std::filesystem::path unpacked_name(const std::filesystem::path& file) {
+    return lower(file.extension().string()) == ".gz" ? file.stem() : file.filename();
 }
 
-void bake_light(Triangles& triangles) {
-    const glm::vec3 to_light = Light{}.to_sun;
-    for (VertexColoredTriangle& triangle : triangles) {
-        const auto& v = triangle.vertices;
-        const glm::vec3 cross = glm::cross(v[1] - v[0], v[2] - v[0]);
-        const float size = glm::length(cross);
-        // No area, or too large or small for a normal in floats: as if in half light.
-        const float facing = size > 0 && std::isfinite(size) ? glm::dot(cross / size, to_light) : 0.0f;
-        const float brightness = 0.675f + 0.325f * facing;
-        for (Rgba8& rgba : triangle.rgba) {
-            rgba = to_rgba8(glm::vec4(glm::vec3(to_vec4(rgba)) * brightness, 1.0f));
+constexpr std::pair<std::string_view, Format> extensions[] = {{".off", Format::off},
+                                                              {".oogl", Format::off},
+                                                              {".ply", Format::ply},
+                                                              {".obj", Format::obj},
+                                                              {".gltf", Format::gltf},
+                                                              {".glb", Format::gltf},
+                                                              {".pdb", Format::pdb},
+                                                              {".ent", Format::pdb},
+                                                              {".cif", Format::mmcif},
+                                                              {".mmcif", Format::mmcif},
+                                                              {".xyz", Format::xyz},
+                                                              {".dump", Format::lammps_dump},
+                                                              {".lammpstrj", Format::lammps_dump},
+                                                              {".data", Format::lammps_data},
+                                                              {".lmp", Format::lammps_data},
+                                                              {".csv", Format::height_field}};
+
+std::optional<Format> format_named(std::string_view extension) {
+    for (const auto& [name, format] : extensions) {
+        if (name == extension) return format;
+    }
+    return std::nullopt;
+}
+
+/// By its first lines, for files whose name does not say it.
+std::optional<Format> format_of(std::string_view bytes) {
+    if (bytes.substr(0, 4) == "glTF") return Format::gltf;
+    if (bytes.substr(0, 3) == "\xef\xbb\xbf") bytes.remove_prefix(3);
+    constexpr std::string_view pdb[] = {"HEADER", "TITLE ", "COMPND", "REMARK", "CRYST1", "MODEL ", "ATOM  ", "HETATM"};
+    constexpr std::string_view obj[] = {"v", "vt", "vn", "f", "o", "g", "s", "mtllib", "usemtl"};
+    constexpr std::string_view oogl[] = {"LIST", "INST", "appearance", "{", "("};
+    detail::Lines lines(bytes.substr(0, 1 << 16));
+    std::string_view line;
+    bool first = true;
+    for (int seen = 0; seen < 32 && lines.next(line);) {
+        const auto w = detail::words(line);
+        if (w.empty() || w[0].front() == '#') continue;
+        ++seen;
+        const auto is_one = [&](const auto& known) {
+            return std::find(std::begin(known), std::end(known), w[0]) != std::end(known);
+        };
+        if (first) {
+            first = false;
+            const std::string_view keyword = w[0].substr(0, w[0].find_first_of("0123456789"));
+            if (w[0] == "ply") return Format::ply;
+            if (w[0] == "ITEM:") return Format::lammps_dump;
+            if (w[0].substr(0, 5) == "data_") return Format::mmcif;
+            const std::size_t inner = bytes.find_first_not_of(" \t\r\n", bytes.find('{') + 1);
+            const bool json = w[0].front() == '{' && inner != std::string_view::npos && bytes[inner] == '"';
+            if (json) return Format::gltf;
+            if (keyword.size() >= 3 && keyword.substr(keyword.size() - 3) == "OFF") return Format::off;
+            if (w[0].front() == '{' || is_one(oogl)) return Format::off;
+            if (w.size() == 1 && detail::number<std::uint64_t>(w[0])) return Format::xyz;
+        }
+        if (std::find(std::begin(pdb), std::end(pdb), line.substr(0, 6)) != std::end(pdb)) return Format::pdb;
+        if (w.size() > 1 && is_one(obj)) return Format::obj;
+        if (w.size() == 2 && w[1] == "atoms") return Format::lammps_data;
+        if (line.find_first_of(",;") != std::string_view::npos && detail::is_row_of_numbers(line)) {
+            return Format::height_field;
         }
     }
+    return std::nullopt;
+}
+
+Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
+    const std::string extension = lower(unpacked_name(file).extension().string());
+    std::optional<Format> format = format_named(extension);
+    const std::string content = detail::read_file(file);
+    if (!format) format = format_of(content);
+    if (!format) {
+        std::string known;
+        for (const auto& [name, format_of_it] : extensions) known.append(" ").append(name);
+        throw std::runtime_error("unknown extension " + detail::in_quotes(extension) +
+                                 ", and nothing known inside; known are" + known);
+    }
+    switch (*format) {
+        case Format::off:
+            return detail::read_off(content, file.parent_path());
+        case Format::ply:
+            return detail::read_ply(content);
+        case Format::obj:
+            return detail::read_obj(content, file.parent_path());
+        case Format::gltf:
+            return detail::read_gltf(file, options);
+        case Format::pdb:
+            return detail::read_pdb(content, options);
+        case Format::mmcif:
+            return detail::read_mmcif(content, options);
+        case Format::xyz:
+            return detail::read_xyz(content, options);
+        case Format::lammps_dump:
+            return detail::read_lammps_dump(content, options);
+        case Format::lammps_data:
+            return detail::read_lammps_data(content, options);
+        case Format::height_field:
+            break;
+    }
+    return detail::read_height_field(content);
 }
 
 /// Messages from other libraries may have line ends in them.
@@ -93,21 +189,25 @@ std::string one_line(std::string text) {
 }  // namespace
 
 Scene load(const std::filesystem::path& file, const LoadOptions& options) {
-    Scene scene{file.stem().string(), std::vector<Group>(1)};
-    Triangles& triangles = scene.groups[0].triangles;
+    Scene scene{unpacked_name(file).stem().string(), std::vector<Group>(1)};
     const auto fail = [&](const std::string& reason) -> std::runtime_error {
         return std::runtime_error(one_line(file.string() + ": " + reason));
     };
-    bool spheres = false;
+    Loaded loaded;
     try {
-        triangles = read(file, options, spheres);
+        loaded = read(file, options);
     } catch (const std::bad_alloc&) {
         throw fail("too large for the memory there is");
     } catch (const std::exception& error) {
         throw fail(error.what());
     }
-    if (triangles.empty()) throw fail(spheres ? "has no atoms" : "has no triangles");
-    if (options.bake_light && !spheres) bake_light(triangles);
+    if (loaded.triangles.empty()) throw fail("has no triangles");
+    if (options.bake_light && !loaded.lit) {
+        for (VertexColoredTriangle& triangle : loaded.triangles) detail::bake_light(triangle);
+    }
+    scene.groups[0].triangles = std::move(loaded.triangles);
+    scene.origin = loaded.origin;
+    scene.notes = std::move(loaded.notes);
     return scene;
 }
 

@@ -20,21 +20,27 @@ namespace farfield::scenes::detail {
 
 inline constexpr Rgba8 uncolored{204, 204, 204, 255};
 
+/// Unpacked, if it is packed by gzip.
 std::string read_file(const std::filesystem::path& file);
 
-/// Vertices are checked to be finite by `load`'s readers themselves, who know their index.
-Triangles read_off(std::string_view text);
-Triangles read_ply(std::string_view bytes);
-/// OBJ and glTF; opens the file again, for those that lie beside it.
-Triangles read_with_assimp(const std::filesystem::path& file);
-Triangles read_pdb(std::string_view text, const LoadOptions& options);
-Triangles read_xyz(std::string_view text, const LoadOptions& options);
-Triangles read_lammps_dump(std::string_view text, const LoadOptions& options);
-Triangles read_lammps_data(std::string_view text, const LoadOptions& options);
+/// Vertices are checked to be finite by the readers themselves, who know their index. Those that take a folder open
+/// files that lie in it.
+Loaded read_off(std::string_view bytes, const std::filesystem::path& folder);
+Loaded read_ply(std::string_view bytes);
+Loaded read_obj(std::string_view text, const std::filesystem::path& folder);
+Loaded read_height_field(std::string_view text);
+/// More than one number between separators, as the lines of a height field are.
+bool is_row_of_numbers(std::string_view line);
+/// Opens files that lie beside it.
+Loaded read_gltf(const std::filesystem::path& file, const LoadOptions& options);
+Loaded read_pdb(std::string_view text, const LoadOptions& options);
+Loaded read_mmcif(std::string_view text, const LoadOptions& options);
+Loaded read_xyz(std::string_view text, const LoadOptions& options);
+Loaded read_lammps_dump(std::string_view text, const LoadOptions& options);
+Loaded read_lammps_data(std::string_view text, const LoadOptions& options);
 
-/// Refuses what a glTF importer may run away with: node graphs that are no trees, counts and offsets beyond the
-/// buffers, buffers beyond their files. Gives the number of triangles that the meshes, each once, should have.
-std::uint64_t check_gltf(const std::filesystem::path& file, std::string_view bytes);
+/// Multiplies the colors by the light that falls on the triangle; keeps alpha.
+void bake_light(VertexColoredTriangle& triangle);
 
 /// One of many well-separated colors for a number that stands for a kind.
 Rgba8 color_of_kind(std::int64_t kind);
@@ -45,6 +51,9 @@ inline std::string in_quotes(std::string_view text) {
     return result.append(text.size() > 40 ? "...'" : "'");
 }
 
+/// Of a decimal number too large or too small for its type, which of the two.
+bool is_below_one(std::string_view decimal);
+
 /// The whole of `text` as a number, "inf" and "nan" too; independent of the locale.
 template <class T>
 std::optional<T> number(std::string_view text) {
@@ -54,9 +63,7 @@ std::optional<T> number(std::string_view text) {
     // Too large or too small for T: as good as infinite, and zero has lost nothing that matters.
     if constexpr (std::is_floating_point_v<T>) {
         if (error == std::errc::result_out_of_range && end == text.data() + text.size()) {
-            const std::size_t exponent = text.find_first_of("eE");
-            const bool tiny = exponent != std::string_view::npos && text.substr(exponent + 1, 1) == "-";
-            return tiny ? T(0) : std::numeric_limits<T>::infinity();
+            return is_below_one(text) ? T(0) : std::numeric_limits<T>::infinity() * (text.front() == '-' ? -1 : 1);
         }
     }
     if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
@@ -73,9 +80,8 @@ inline std::string_view trimmed(std::string_view text) {
     return text;
 }
 
-/// The words of one line.
-inline std::vector<std::string_view> words(std::string_view line) {
-    std::vector<std::string_view> result;
+/// The words of one line, after what `result` has already.
+inline void split(std::string_view line, std::vector<std::string_view>& result) {
     std::size_t i = 0;
     while (i < line.size()) {
         while (i < line.size() && is_space(line[i])) ++i;
@@ -83,6 +89,11 @@ inline std::vector<std::string_view> words(std::string_view line) {
         while (i < line.size() && !is_space(line[i])) ++i;
         if (i > begin) result.push_back(line.substr(begin, i - begin));
     }
+}
+
+inline std::vector<std::string_view> words(std::string_view line) {
+    std::vector<std::string_view> result;
+    split(line, result);
     return result;
 }
 
@@ -115,6 +126,14 @@ class Lines {
     std::string_view rest_;
     std::size_t number_ = 0;
 };
+
+/// As it is; throws "vertex 7 is not finite".
+inline const glm::dvec3& finite(const glm::dvec3& point, std::string_view kind, std::size_t index) {
+    if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) {
+        throw std::runtime_error(std::string(kind) + ' ' + std::to_string(index) + " is not finite");
+    }
+    return point;
+}
 
 /// As a vertex; throws "vertex 7 is not finite" or "atom 7 ...".
 inline glm::vec3 finite(double x, double y, double z, std::string_view kind, std::size_t index) {

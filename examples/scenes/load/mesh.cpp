@@ -58,7 +58,8 @@ Loaded in_single_precision(const Mesh& mesh) {
     for (const MeshTriangle& triangle : mesh.triangles) {
         for (const std::uint32_t corner : triangle.corners) box.add(mesh.positions[corner]);
     }
-    Loaded loaded{{}, origin_of(box)};
+    Loaded loaded;
+    loaded.origin = origin_of(box);
     if (!mesh.triangles.empty()) check_size(box);
     loaded.triangles.reserve(mesh.triangles.size());
     for (const MeshTriangle& triangle : mesh.triangles) {

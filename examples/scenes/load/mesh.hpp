@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +22,10 @@ using Triangles = std::vector<VertexColoredTriangle>;
 struct Loaded {
     Triangles triangles{};
     glm::dvec3 origin{0.0};
+    /// What the file has and the triangles have not, one line each.
+    std::vector<std::string> notes{};
+    /// The light, if it was asked for, is in the colors already.
+    bool lit = false;
 };
 
 /// The point to subtract, in double precision, from all that lies in `box` before it is rounded to single precision.

@@ -15,24 +15,32 @@
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/halvings.hpp"
+#include "farfield/geometry/length.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield {
+
+/// A power of two that a cell's sides are near, since squares of local units may leave single precision.
+inline float length_unit(const Cell& cell) {
+    return std::ldexp(1.0f, glm::clamp(exponent_of(cell.largest_side()), -126, 126));
+}
+
 /// The faces of a cell that look at the viewer, and how large they are to it.
 struct VisibleFaces {
     std::array<std::uint8_t, 3> side{};  ///< 0..5: -x, +x, -y, +y, -z, +z
-    std::array<float, 3> projected{};    ///< area seen squarely from the viewer, in squared units
+    std::array<float, 3> projected{};    ///< area seen squarely from the viewer, in squares of length_unit()
     int count = 0;
 
     /// Finds at most three, none from inside. They are projected as if the viewer were far, which cells about a pixel
     /// wide allow.
     VisibleFaces(const Cell& cell, const LocalView& view) {
         const glm::vec3 d = view.towards_viewer(cell.center);
-        const float inverse_length = 1.0f / std::sqrt(glm::dot(d, d));
+        const float inverse_length = 1.0f / length_of(d);
+        const glm::vec3 half = cell.half * (1 / length_unit(cell));
         for (int axis = 0; axis < 3; ++axis) {
             const float reach = view.is_perspective ? cell.half[axis] : 0.0f;
             if (!(std::abs(d[axis]) > reach)) continue;
-            const float face = 4 * cell.half[(axis + 1) % 3] * cell.half[(axis + 2) % 3];
+            const float face = 4 * half[(axis + 1) % 3] * half[(axis + 2) % 3];
             side[std::size_t(count)] = std::uint8_t(2 * axis + (d[axis] > 0 ? 1 : 0));
             projected[std::size_t(count)] = face * std::abs(d[axis]) * inverse_length;
             ++count;
@@ -54,7 +62,7 @@ inline float least_projected_side(const Cell& cell, unsigned levels, const Local
     const glm::vec3 d = cell.center - view.eye;
     const float farthest = view.distance == DistanceMeasure::depth
                                ? glm::dot(d, view.forward) + glm::dot(glm::abs(view.forward), cell.half)
-                               : std::sqrt(glm::dot(d, d)) + std::sqrt(glm::dot(cell.half, cell.half));
+                               : length_of(d) + length_of(cell.half);
     return view.pixels(side, farthest);
 }
 
@@ -63,13 +71,14 @@ inline bool is_small(glm::vec3 center, float side, const LocalView& view, float 
     return splat_limit_px > 0 && view.pixels(side, view.is_perspective ? view.depth(center) : 1.0f) <= splat_limit_px;
 }
 
-/// One deposit for faces seen from far enough: `footprint` is their area seen squarely, `sum` their premultiplied
-/// colors (0 to 255) weighted by it, with an alpha above 0. The covered part of the footprint decides the law.
-inline Splat splat_of(glm::vec3 center, float footprint, glm::vec4 sum, const LocalView& view) {
+/// One deposit for faces seen from far enough: `footprint` is their area seen squarely, in squares of `unit`, `sum`
+/// their premultiplied colors (0 to 255) weighted by it, with an alpha above 0. The covered part of the footprint
+/// decides the law.
+inline Splat splat_of(glm::vec3 center, float footprint, float unit, glm::vec4 sum, const LocalView& view) {
     const float alpha = sum.w / (255 * footprint);
     const AreaLaw law = law_of_opacity(alpha);
     const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / sum.w) + 0.5f, glm::vec3(255.0f));
-    return {center, glm::vec2(std::sqrt(footprint * view.stretch(center))), alpha,
+    return {center, glm::vec2(unit * std::sqrt(footprint * view.stretch(center))), alpha,
             Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}};
 }
 

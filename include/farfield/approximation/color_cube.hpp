@@ -55,11 +55,19 @@ struct ColorCube {
                                               .provides_area_law = true,
                                               .file_tag = 0x43430003u};
 
+    const char* wrong_option() const {
+        if (samples > 8) return "ColorCube: samples must be at most 8";
+        if (inner > Inner::direct || opacity > Opacity::thresholded) return "ColorCube: an option is not in its enum";
+        if (!(coverage_threshold >= 0 && coverage_threshold <= 1))
+            return "ColorCube: coverage_threshold must lie between 0 and 1";
+        return std::isnan(redundancy_tolerance) ? "ColorCube: redundancy_tolerance must not be NaN" : nullptr;
+    }
+
     bool merges_children() const { return inner == Inner::composited; }
 
     template <class Contents, OrthographicSampler Sampler>
     stand_in_draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
-        return samples == 0 ? projected(cell, contents) : sampled(cell, contents, sampler);
+        return samples == 0 ? projected(cell, contents, sampler) : sampled(cell, contents, sampler);
     }
 
     void merge(const Cell&, stand_in_draft& own, std::span<const ChildDraft<stand_in_draft>> children) const {
@@ -148,7 +156,7 @@ struct ColorCube {
             footprint += faces.projected[std::size_t(i)];
             sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a)) * faces.projected[std::size_t(i)];
         }
-        if (sum.w > 0) sink(splat_of(cell.center, footprint, sum, view));
+        if (sum.w > 0) sink(splat_of(cell.center, footprint, length_unit(cell), sum, view));
     }
 
   private:
@@ -186,7 +194,8 @@ struct ColorCube {
         sampler.sample(grid, contents, std::span<Rgba8>(out));
         stand_in_draft d{};
         const std::size_t squares = std::size_t(grid.n) * grid.n;
-        const glm::vec3 square = bounds.size() * (1.0f / float(grid.n));
+        const float per_unit = 1 / length_unit(cell);
+        const glm::vec3 square = bounds.size() * (per_unit / float(grid.n)), half = cell.half * per_unit;
         for (unsigned s = 0; s < 6; ++s) {
             const int u = int(s / 2 + 1) % 3, v = int(s / 2 + 2) % 3;
             // Two channels a word: 256 samples of 255 fill 16 bits.
@@ -199,7 +208,7 @@ struct ColorCube {
             static_assert(std::endian::native == std::endian::little, "bytes of a color are taken apart");
             const std::array<std::uint32_t, 4> sum{red_blue & 0xffff, green_alpha & 0xffff, red_blue >> 16,
                                                    green_alpha >> 16};
-            const float face = 4 * cell.half[u] * cell.half[v];
+            const float face = 4 * half[u] * half[v];
             if (sum[3] == 0 || !(face > 0)) continue;
             const glm::vec4 total = glm::vec4(float(sum[0]), float(sum[1]), float(sum[2]), float(sum[3])) *
                                     (square[u] * square[v] / (255 * face));
@@ -208,19 +217,28 @@ struct ColorCube {
         return d;
     }
 
-    template <class Contents>
-    stand_in_draft projected(const Cell& cell, Contents&& contents) const {
+    template <class Contents, class Sampler>
+    stand_in_draft projected(const Cell& cell, Contents&& contents, [[maybe_unused]] const Sampler& sampler) const {
         stand_in_draft d{};
+        const float per_unit = 1 / length_unit(cell);
+        const glm::vec3 half = cell.half * per_unit;
         contents([&](const Polygon& polygon) {
-            const glm::vec3 doubled =
-                doubled_area<float>(polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i]; });
+            const glm::vec3 doubled = doubled_area<float>(
+                polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i] * per_unit; });
             glm::vec4 color(0);
             for (const Rgba8 c : polygon.colors) color += to_vec4(c);
             color *= 1.0f / float(polygon.colors.size());
             const glm::vec4 premultiplied(glm::vec3(color) * color.w, color.w);
             for (int s = 0; s < 6; ++s) {
-                const float face = 4 * cell.half[(s / 2 + 1) % 3] * cell.half[(s / 2 + 2) % 3];
-                if (face > 0) d[std::size_t(s)] += premultiplied * (0.5f * std::abs(doubled[s / 2]) / face);
+                const float face = 4 * half[(s / 2 + 1) % 3] * half[(s / 2 + 2) % 3];
+                if (!(face > 0)) continue;
+                glm::vec4 seen = premultiplied;
+                if constexpr (LightsPolygons<Sampler>) {
+                    const bool is_front = (doubled[s / 2] > 0) == (s % 2 == 1);
+                    const float brightness = sampler.brightness(polygon, is_front ? doubled : -doubled);
+                    seen = glm::vec4(glm::vec3(seen) * brightness, seen.w);
+                }
+                d[std::size_t(s)] += seen * (0.5f * std::abs(doubled[s / 2]) / face);
             }
         });
         return d;

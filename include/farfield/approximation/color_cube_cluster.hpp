@@ -46,6 +46,13 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     static constexpr ApproximationFacts facts{
         .needs_polygons = true, .stands_in = true, .has_pool = true, .bounds_error = true, .file_tag = 0x43430100u + K};
 
+    const char* wrong_option() const {
+        if (samples < 1 || samples > 8) return "ColorCubeCluster: samples must be from 1 to 8";
+        return coverage_threshold >= 0 && coverage_threshold <= 1
+                   ? nullptr
+                   : "ColorCubeCluster: coverage_threshold must lie between 0 and 1";
+    }
+
     template <class Contents, OrthographicSampler Sampler>
     stand_in_draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
         stand_in_draft faces;
@@ -134,10 +141,12 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
                 const float along = side & 1 ? towards[int(side / 2)] : -towards[int(side / 2)];
                 if (!(along > (view.is_perspective ? cube.half[int(side / 2)] : 0.0f))) return;
                 if (!splats) return sink(face_of(cube, side, c));
-                const float footprint = 4 * cube.half[(int(side / 2) + 1) % 3] * cube.half[(int(side / 2) + 2) % 3] *
-                                        along / std::sqrt(glm::dot(towards, towards));
+                const float unit = length_unit(cube);
+                const glm::vec3 half = cube.half * (1 / unit);
+                const float footprint =
+                    4 * half[(int(side / 2) + 1) % 3] * half[(int(side / 2) + 2) % 3] * along / length_of(towards);
                 const glm::vec4 color(float(c.r), float(c.g), float(c.b), float(c.a));
-                if (c.a != 0) sink(splat_of(cube.center, footprint, color * footprint, view));
+                if (c.a != 0) sink(splat_of(cube.center, footprint, unit, color * footprint, view));
             });
         }
     }

@@ -35,10 +35,6 @@ struct OpacityTensor {
     bool closed_surfaces = false;
     /// True: areas that hide one another within a cell are counted once. False is for experiments.
     bool counts_overlap = true;
-    /// The area of the rectangle in which leaves are strewn, in parts of that of a rectangle as wide and high (in the
-    /// mean square) as the contents' box. It is below 1 because contents are denser in their middle. More blurs, less
-    /// shrinks outlines.
-    float strewn_over = 0.4f;
     /// Factors of a sheet's opacity: rectangles meet only roughly, and a surplus in one place does not make up for a
     /// gap in another. Sheets smaller than a cell cover too much by the same factor. Closed surfaces need more, as no
     /// back sides close the gaps.
@@ -74,21 +70,22 @@ struct OpacityTensor {
 
     void merge(const Cell& cell, stand_in_draft& own, std::span<const ChildDraft<stand_in_draft>> children) const {
         const Box bounds = cell.bounds();
+        const float ordinary = cell.to_ordinary();
         for (const auto& child : children) {
-            AreaSums sums = child.draft->sums;
-            sums.moment += sums.area * (child.cell->center - cell.center);
-            own.sums += sums;
-            own.contents.add(child.draft->contents);
-            own.masks.add_child(bounds, child.draft->masks, child.cell->bounds());
+            const TensorSums draft = child.draft->scaled(ordinary / child.cell->to_ordinary());
+            own.sums += draft.sums.about((cell.center - child.cell->center) * ordinary);
+            own.contents.add(draft.contents);
+            own.masks.add_child(bounds, draft.masks, child.cell->bounds());
         }
     }
 
-    stand_in_data finish(const Cell& cell, const stand_in_draft& d) const {
+    stand_in_data finish(const Cell& local_cell, const stand_in_draft& d) const {
+        const Cell cell = local_cell.scaled(local_cell.to_ordinary());
         const TensorFit fit(d, cell, closed_surfaces);
         if (fit.is_empty()) return {};
         TensorShape s = fit.shape(counts_overlap);
         const TensorAppearance kept = appearance_of(StoredTensor::packed(s));
-        s.error = fit.held_out_error([&](glm::vec3 w) { return kept.seen_from(w).area; });
+        s.error = fit.lost_part([&](glm::vec3 w) { return kept.seen_from(w).area; });
         return StoredTensor::packed(s);
     }
 
@@ -124,25 +121,28 @@ struct OpacityTensor {
             }
             return;
         }
-        const float length = std::sqrt(glm::dot(towards, towards));
+        const float length = length_of(towards);
         if (!(length > 0) || (view.is_perspective && !(view.depth(center) > 0))) return;
         const TensorAppearance::Seen seen = appearance.seen_from(towards / length);
         if (!(seen.area > 0)) return;
-        const glm::vec2 size = appearance.rectangle(center, view, strewn_over);
-        const float part = seen.area * view.stretch(center) / (size.x * size.y);
+        const float area = seen.area * view.stretch(center);
+        const glm::vec2 size = appearance.rectangle(center, view, area);
+        const float part = area / (size.x * size.y);
         const AreaLaw law = appearance.shape.law;
-        const float gain = law != AreaLaw::coherent ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
+        const bool gains = law == AreaLaw::coherent && appearance.reaches_across(cell);
+        const float gain = !gains ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
         const glm::vec3 rgb = seen.rgb + 0.5f;
-        sink(Splat{center, size * (tensor_unit(cell) * std::sqrt(std::max(part, 1.0f))), std::min(gain * part, 1.0f),
+        sink(Splat{center, size * tensor_unit(cell), std::min(gain * part, 1.0f),
                    Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});
     }
 
-    /// Three rectangles that cross, each as opaque as the contents are along its normal. Turned with an instance, their
-    /// tensors add up as all others do.
+    /// Three rectangles that cross, as opaque as the contents are along their normals. Turned with an instance, their
+    /// tensors add up as all others do, and masks see of them what they would see of the contents.
     template <class Sink>
     void polygons(const stand_in_data& data, const Cell& cell, Sink&& sink) const {
         const TensorAppearance appearance = appearance_of(data);
-        for (int axis = 0; axis < 3; ++axis) emit_polygon(appearance.crossing_face(cell, axis, true), sink);
+        const float gain = appearance.gain_of_crossing_faces();
+        for (int axis = 0; axis < 3; ++axis) emit_polygon(appearance.crossing_face(cell, axis, true, gain), sink);
     }
 
   private:

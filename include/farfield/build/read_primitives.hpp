@@ -19,6 +19,22 @@ namespace farfield::detail {
     detail::fail<std::invalid_argument>("farfield: primitive " + std::to_string(index) + " " + why);
 }
 
+/// The reason why a primitive cannot be an instance, or null.
+template <Primitive P>
+const char* wrong_instance([[maybe_unused]] const P& p) {
+    const char* why = nullptr;
+    if constexpr (PrimitiveWithInstance<P>) {
+        primitive_traits<P>::visit_instance(p, [&](const auto& instance) {
+            if (instance.hierarchy == nullptr) {
+                why = "is an instance without a hierarchy";
+            } else if (instance.primitives.size() != instance.hierarchy->primitive_count()) {
+                why = "is an instance with fewer or more primitives than its hierarchy was built from";
+            }
+        });
+    }
+    return why;
+}
+
 /// Fills in what `facts` say of the whole scene, except for the root, and calls take(Item) for each primitive.
 template <CostModel C, Primitive P, class Take>
 void read_primitives(std::span<const P> primitives, const C& cost, HierarchyFacts& facts, Take&& take) {
@@ -29,6 +45,7 @@ void read_primitives(std::span<const P> primitives, const C& cost, HierarchyFact
     facts.fingerprint = mixed(0, primitives.size());
     auto whole = decltype(primitive_traits<P>::bounds(std::declval<const P&>()))::empty();
     for (std::size_t i = 0; i < primitives.size(); ++i) {
+        if (const char* why = wrong_instance(primitives[i])) refuse_primitive(i, why);
         const auto b = primitive_traits<P>::bounds(primitives[i]);
         if (b.is_empty()) refuse_primitive(i, "has an empty bounding box (lower > upper)");
         if (!b.is_finite()) refuse_primitive(i, "has a bounding box that is not finite (NaN or infinity)");

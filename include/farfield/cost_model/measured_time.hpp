@@ -25,6 +25,13 @@ struct MeasuredTime {
     float image = 1000;
     float texel = 2;
 
+    const char* wrong_option() const {
+        for (const float price : {small_triangle, near_triangle, face, splat, cell, run, image, texel}) {
+            if (!is_price(price)) return "MeasuredTime: prices must be 0 or more and finite";
+        }
+        return nullptr;
+    }
+
     float cost(const Work& w) const {
         return small_triangle * w.triangles + face * w.faces + splat * w.splats + cell * w.cells + run * w.runs +
                image * w.images + texel * w.texels;

@@ -20,6 +20,14 @@ struct TriangleCount {
     float triangles_per_image = 2;
     float triangles_per_texel = 0.25f;
 
+    const char* wrong_option() const {
+        for (const float price : {triangles_per_face, triangles_per_splat, triangles_per_cell, triangles_per_run,
+                                  triangles_per_image, triangles_per_texel}) {
+            if (!is_price(price)) return "TriangleCount: prices must be 0 or more and finite";
+        }
+        return nullptr;
+    }
+
     float cost(const Work& w) const {
         return w.triangles + triangles_per_face * w.faces + triangles_per_splat * w.splats +
                triangles_per_cell * w.cells + triangles_per_run * w.runs + triangles_per_image * w.images +

@@ -14,6 +14,7 @@
 
 #include "farfield/composition.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/frame/baked_light.hpp"
 #include "farfield/geometry/mixed.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/primitive.hpp"
@@ -26,6 +27,7 @@ struct SourceState {
     bool is_uploaded = false;             ///< and has to be released
     std::vector<std::uint32_t> stamps{};  ///< by primitive: the last epoch it was drawn in; shared items only
     std::uint32_t epoch = 0;
+    bool is_open = false;  ///< while what it holds is added
 
     void begin_epoch() {
         if (++epoch != 0) return;
@@ -74,6 +76,20 @@ void check_fingerprint(const char* who, const H& h, std::span<const P> primitive
     }
 }
 
+/// What a source is looked up by: where its hierarchy lies, and its primitives.
+struct SourceKey {
+    const void* hierarchy;
+    const void* primitives;
+    friend bool operator==(const SourceKey&, const SourceKey&) = default;
+};
+struct HashOfSourceKey {
+    std::size_t operator()(const SourceKey& key) const {
+        // One after the other: both come in even steps, and all of their sums could be the same.
+        return std::size_t(mixed(mixed(0, std::uint64_t(std::uintptr_t(key.hierarchy))),
+                                 std::uint64_t(std::uintptr_t(key.primitives))));
+    }
+};
+
 /// Uploads sources to the renderer and, when it goes, releases them.
 template <class R>
 class SourceTable {
@@ -93,39 +109,47 @@ class SourceTable {
     SourceTable& operator=(const SourceTable&) = delete;
 
     /// A hierarchy, and those of all instances in it. Throws std::invalid_argument if primitives are not those that a
-    /// hierarchy was built from, or do not come in the order that the renderer needs. Takes time in proportion to the
-    /// number of instances, however many hierarchies they hold.
+    /// hierarchy was built from, or do not come in the order that the renderer needs; if stand-ins have another light
+    /// than the renderer; or if a hierarchy holds itself. Takes time in proportion to the number of instances, however
+    /// many hierarchies they hold. `turned` is how the hierarchy lies in the outermost one.
     template <class H, class P>
-    void add_all(const H& h, std::span<const P> primitives) {
+    void add_all(const H& h, std::span<const P> primitives, const glm::mat3& turned = glm::mat3(1.0f)) {
         constexpr const char* who = "farfield::Viewer: the hierarchy";
         check_source(who, h, primitives, R::facts.needs_ordering == OrderGuarantee::primitives);
-        if (has(h, primitives)) return;
+        if (has(h, primitives)) {
+            if (!find(h, primitives).is_open) return;
+            detail::fail<std::invalid_argument>(std::string(who) + " holds an instance of itself");
+        }
         for_instances(primitives, [](const auto& instance, std::size_t i) {
             if (instance.hierarchy != nullptr) return;
             detail::fail<std::invalid_argument>("farfield::Viewer: primitive " + std::to_string(i) +
                                                 " is an instance without a hierarchy");
         });
         check_fingerprint(who, h, primitives);
+        if constexpr (R::facts.tells_light) check_light(who, h, renderer_.light(), turned);
         // References into an unordered_map stay valid while more are added.
-        SourceState& state = sources_[Key{&h, primitives.data()}];
+        SourceState& state = sources_[SourceKey{&h, primitives.data()}];
         if constexpr (H::assignment == Assignment::shared) state.stamps.assign(primitives.size(), 0);
         if constexpr (R::facts.keeps_sources) {
             state.id = renderer_.upload(source_of(h, primitives, 0));
             state.is_uploaded = true;
         }
-        for_instances(primitives,
-                      [&](const auto& instance, std::size_t) { add_all(*instance.hierarchy, instance.primitives); });
+        state.is_open = true;
+        for_instances(primitives, [&](const auto& instance, std::size_t) {
+            add_all(*instance.hierarchy, instance.primitives, turned * instance.to_world.rotation());
+        });
+        state.is_open = false;
     }
 
     template <class H, class P>
     bool has(const H& h, std::span<const P> primitives) const {
-        return sources_.contains(Key{&h, primitives.data()});
+        return sources_.contains(SourceKey{&h, primitives.data()});
     }
 
     /// One that was added. Throws std::invalid_argument if there is none: instances were changed since.
     template <class H, class P>
     SourceState& find(const H& h, std::span<const P> primitives) {
-        const auto found = sources_.find(Key{&h, primitives.data()});
+        const auto found = sources_.find(SourceKey{&h, primitives.data()});
         if (found == sources_.end()) {
             detail::fail<std::invalid_argument>(
                 "farfield::Viewer: an instance holds a hierarchy, or primitives, that it did not when the viewer was "
@@ -143,18 +167,6 @@ class SourceTable {
     }
 
   private:
-    struct Key {
-        const void* hierarchy;
-        const void* primitives;
-        friend bool operator==(const Key&, const Key&) = default;
-    };
-    struct HashOfKey {
-        std::size_t operator()(const Key& key) const {
-            return std::size_t(
-                mixed(std::uint64_t(std::uintptr_t(key.hierarchy)), std::uint64_t(std::uintptr_t(key.primitives))));
-        }
-    };
-
     /// Calls f(instance, number of the primitive).
     template <class P, class F>
     static void for_instances([[maybe_unused]] std::span<const P> primitives, [[maybe_unused]] F&& f) {
@@ -172,7 +184,7 @@ class SourceTable {
 
     R& renderer_;
     std::weak_ptr<const void> renderer_lifetime_;
-    std::unordered_map<Key, SourceState, HashOfKey> sources_;
+    std::unordered_map<SourceKey, SourceState, HashOfSourceKey> sources_;
 };
 
 }  // namespace farfield::detail

@@ -84,7 +84,7 @@ void for_each_child(const H& hierarchy, const Subtree& parent, glm::vec4 viewpoi
 }
 
 /// Keeps in mind which of the view's planes a subtree's bounds still cross. True if they lie outside of one.
-inline bool is_outside(const std::array<glm::vec4, 5>& planes, Subtree& subtree) {
+inline bool is_outside(const std::array<glm::vec4, plane_count>& planes, Subtree& subtree) {
     if (subtree.crossed_planes == 0) return false;
     subtree.crossed_planes =
         crossed_planes(planes, subtree.cell.bounds_center, subtree.cell.bounds_half, subtree.crossed_planes);

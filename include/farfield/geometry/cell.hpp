@@ -1,12 +1,15 @@
 // A cell of a partition. Cells are not stored but computed at every descent.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <initializer_list>
 
 #include "farfield/geometry/box.hpp"
+#include "farfield/geometry/length.hpp"
 
 namespace farfield {
 
@@ -23,6 +26,20 @@ struct Cell {
     Box box() const { return {center - half, center + half}; }
     Box bounds() const { return {bounds_center - bounds_half, bounds_center + bounds_half}; }
     float largest_side() const { return 2 * glm::max(half.x, glm::max(half.y, half.z)); }
+
+    /// A power of two by which the cell can be multiplied so that areas and volumes in it are ordinary numbers,
+    /// whatever its unit of length: the side of its bounds comes near 1.
+    float to_ordinary() const {
+        const int side = exponent_of(detail::largest_component(bounds_half)),
+                  place = exponent_of(detail::largest_component(bounds_center));
+        return std::ldexp(1.0f, -glm::clamp(glm::max(side, place - 60), -126, 126));
+    }
+    /// The cell in a space that is `factor` times as large.
+    Cell scaled(float factor) const {
+        Cell cell = *this;
+        for (glm::vec3* v : {&cell.center, &cell.half, &cell.bounds_center, &cell.bounds_half}) *v *= factor;
+        return cell;
+    }
 };
 
 }  // namespace farfield

@@ -1,8 +1,8 @@
 // Lengths, directions and normals of vectors whose squares leave single precision: coordinates may be as small as those
 // of molecules in meters and as large as those of galaxies.
 //
-// A square of 2^63 units is infinite in single precision, and one of 2^-75 units is 0. Vectors are therefore multiplied by
-// a power of two first, which rounds nothing: what is in range already gives the same bits with and without.
+// A square of 2^63 units is infinite in single precision, and one of 2^-75 units is 0. Vectors are therefore multiplied
+// by a power of two first, which rounds nothing: what is in range already gives the same bits with and without.
 #pragma once
 
 #include <cmath>
@@ -67,8 +67,7 @@ glm::vec<3, T> direction_of(const glm::vec<3, T>& v) {
 template <class T>
 glm::vec<3, T> normal_to(const glm::vec<3, T>& u, const glm::vec<3, T>& v) {
     const glm::vec<3, T> n = glm::cross(u, v);
-    return detail::squares_are_exact(detail::largest_component(n)) ? n
-                                                                   : glm::cross(scaled_to_one(u), scaled_to_one(v));
+    return detail::squares_are_exact(detail::largest_component(n)) ? n : glm::cross(scaled_to_one(u), scaled_to_one(v));
 }
 
 }  // namespace farfield

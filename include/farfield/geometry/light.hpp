@@ -33,6 +33,17 @@ struct DirectionalLight {
     }
 };
 
+/// What is wrong with a light, or null.
+inline const char* wrong_light(const DirectionalLight& light) {
+    const float sum = light.towards.x * 0 + light.towards.y * 0 + light.towards.z * 0;
+    if (light.towards == glm::vec3(0) || sum != 0) return "DirectionalLight: towards must be finite and not 0";
+    if (!(light.ambient >= 0 && std::isfinite(light.ambient)))
+        return "DirectionalLight: ambient must be 0 or more and finite";
+    if (!(light.diffuse >= 0 && std::isfinite(light.diffuse)))
+        return "DirectionalLight: diffuse must be 0 or more and finite";
+    return nullptr;
+}
+
 /// A color times a brightness; alpha stays.
 inline Rgba8 scaled(Rgba8 c, float brightness) {
     const auto channel = [brightness](std::uint8_t v) {

@@ -8,13 +8,25 @@
 #include <glm/vec3.hpp>
 
 #include "farfield/geometry/box.hpp"
+#include "farfield/geometry/length.hpp"
 
 namespace farfield {
 
 /// Both are closed sets: touching counts. Rounding errs only for triangles within a few float steps of the box.
 inline bool triangle_touches(const Box& box, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
-    const glm::vec3 center = box.center(), half = box.size() * 0.5f;
-    const std::array<glm::vec3, 3> v{a - center, b - center, c - center};
+    const glm::vec3 center = box.center();
+    glm::vec3 half = box.size() * 0.5f;
+    std::array<glm::vec3, 3> v{a - center, b - center, c - center};
+    // Sides of planes are told by products of three lengths.
+    const float largest =
+        glm::max(detail::largest_component(half),
+                 glm::max(detail::largest_component(v[0]),
+                          glm::max(detail::largest_component(v[1]), detail::largest_component(v[2]))));
+    if (!(largest > 0x1p-20f && largest < 0x1p40f)) {
+        const int exponent = -exponent_of(largest);
+        half = detail::times_power_of_two(half, exponent);
+        for (glm::vec3& p : v) p = detail::times_power_of_two(p, exponent);
+    }
     const auto separates = [&](glm::vec3 axis) {
         const float p0 = glm::dot(axis, v[0]), p1 = glm::dot(axis, v[1]), p2 = glm::dot(axis, v[2]);
         const float reach = glm::dot(glm::abs(axis), half);

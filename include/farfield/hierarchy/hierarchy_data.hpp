@@ -13,10 +13,14 @@
 #include "farfield/geometry/box.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/fragments.hpp"
+#include "farfield/geometry/light.hpp"
 #include "farfield/hierarchy/build_report.hpp"
 #include "farfield/hierarchy/node.hpp"
 
 namespace farfield {
+
+/// What light the colors of stand-ins have been given, once and for all. `unknown`: the sampler does not tell.
+enum class BakedLight : std::uint32_t { unknown, none, directional };
 
 /// All that is no array, as it lies in files: no padding. Everything is in the hierarchy's own coordinates.
 struct HierarchyFacts {
@@ -28,6 +32,8 @@ struct HierarchyFacts {
     Cell root;
     Work work;  ///< of drawing everything, without stand-ins
     std::uint32_t root_has_stand_in = 0;
+    BakedLight baked_light = BakedLight::unknown;
+    DirectionalLight light{};  ///< where it is directional, in the hierarchy's own axes
     std::uint32_t spare = 0;
 };
 

@@ -22,8 +22,11 @@ template <class T>
 std::optional<PixelRect> projected_rect(const BasicBox<T>& box, const View& view) {
     if (box.is_empty() || !box.is_finite()) return std::nullopt;
     const Camera& camera = view.camera;
-    const double focal_px = 0.5 * double(view.height) / double(camera.half_height);
     const glm::dvec2 whole(view.width, view.height);
+    const double focal_px = 0.5 * double(view.height) / double(camera.half_height);
+    const glm::dvec2 focal(camera.half_width > 0 ? 0.5 * double(view.width) / double(camera.half_width) : focal_px,
+                           focal_px);
+    const glm::dvec2 axis_at = 0.5 * whole * (1.0 + camera.off_center * glm::dvec2(-1, 1));
     glm::dvec2 lower(std::numeric_limits<double>::infinity()), upper(-lower);
     for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
@@ -35,7 +38,7 @@ std::optional<PixelRect> projected_rect(const BasicBox<T>& box, const View& view
             if (!(depth > 0)) return std::nullopt;
         }
         const glm::dvec2 across(glm::dot(d, glm::dvec3(camera.right)), -glm::dot(d, glm::dvec3(camera.up)));
-        const glm::dvec2 px = across * focal_px / depth + 0.5 * whole;
+        const glm::dvec2 px = across * focal / depth + axis_at;
         lower = glm::min(lower, px);
         upper = glm::max(upper, px);
     }

@@ -36,6 +36,12 @@ struct Nested {
                                           .splits_for_order = true,
                                           .file_tag = Inner::facts.file_tag ^ (Outer::facts.file_tag << 8 | 0x4e)};
 
+    const char* wrong_option() const {
+        if (largest_leaf == 0) return "Nested: largest_leaf must be 1 or more";
+        if (const char* why = detail::wrong_option(outer)) return why;
+        return detail::wrong_option(inner);
+    }
+
     Cell root(const Box& bounds) const { return bounds.is_empty() ? Cell{} : tight(outer.root(bounds)); }
 
     Split choose(const Cell& cell, const ClippedItems& items, node_data& data) const {

@@ -38,6 +38,14 @@ struct PolygonBsp {
                                           .file_tag = 0x42530001u};
     enum Child : unsigned { behind, on, in_front };
 
+    const char* wrong_option() const {
+        // A frame descends by recursion: see most_levels_in_files, in storage/file_format.hpp.
+        if (max_depth > 1000) return "PolygonBsp: max_depth must be at most 1000";
+        return price_of_cut >= 0 && std::isfinite(price_of_cut)
+                   ? nullptr
+                   : "PolygonBsp: price_of_cut must be 0 or more and finite";
+    }
+
     Cell root(const Box& bounds) const {
         Cell cell;
         for (int axis = 0; axis < 3 && !bounds.is_empty(); ++axis) {

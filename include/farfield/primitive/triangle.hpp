@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include "farfield/geometry/box.hpp"
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/rgba8.hpp"
 
@@ -18,6 +19,12 @@ inline Box bounds_of(const std::array<glm::vec3, 3>& v) {
     return {glm::min(v[0], glm::min(v[1], v[2])) + zero, glm::max(v[0], glm::max(v[1], v[2])) + zero};
 }
 
+/// Double, because areas in squares of a large or small unit leave single precision.
+inline double area_of(const std::array<glm::vec3, 3>& v) {
+    const glm::dvec3 a(v[0]);
+    return 0.5 * length_of(glm::cross(glm::dvec3(v[1]) - a, glm::dvec3(v[2]) - a));
+}
+
 /// A triangle of one color, counter-clockwise seen from its front.
 struct Triangle {
     std::array<glm::vec3, 3> vertices{};
@@ -25,7 +32,7 @@ struct Triangle {
 
     Box bounds() const { return bounds_of(vertices); }
     /// One-sided area, in squared world units.
-    float area() const { return 0.5f * glm::length(glm::cross(vertices[1] - vertices[0], vertices[2] - vertices[0])); }
+    double area() const { return area_of(vertices); }
     glm::vec4 color() const { return to_vec4(rgba); }
     template <class Sink>
     void polygons(Sink&& sink) const {
@@ -40,7 +47,7 @@ struct VertexColoredTriangle {
     std::array<Rgba8, 3> rgba{};
 
     Box bounds() const { return bounds_of(vertices); }
-    float area() const { return 0.5f * glm::length(glm::cross(vertices[1] - vertices[0], vertices[2] - vertices[0])); }
+    double area() const { return area_of(vertices); }
     glm::vec4 color() const { return (to_vec4(rgba[0]) + to_vec4(rgba[1]) + to_vec4(rgba[2])) * (1.0f / 3.0f); }
     template <class Sink>
     void polygons(Sink&& sink) const {

@@ -53,10 +53,10 @@ struct BoxFronts {
                             std::abs(low_and_high[1][axis] * (1.0f / 256) - zero));
         };
         const float reach_x = reach(0, to_x), reach_y = reach(1, to_y);
-        // projection.right has a length of 256 focal.
-        const float by_sample = 1 / (projection.focal * projection.focal * 256);
+        // projection.right has a length of 256 focal.x.
+        const glm::vec2 by_sample = 1.0f / (projection.focal * projection.focal * 256.0f);
         for (int axis = 0; axis < 3; ++axis) {
-            const float a = projection.right[axis] * by_sample, b = projection.down[axis] * by_sample;
+            const float a = projection.right[axis] * by_sample.x, b = projection.down[axis] * by_sample.y;
             const float to_lower = center[axis] - half[axis] - projection.anchor[axis],
                         to_upper = center[axis] + half[axis] - projection.anchor[axis];
             float plane, by_plane, q;

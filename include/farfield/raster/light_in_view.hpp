@@ -4,7 +4,10 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <stdexcept>
+#include <string>
 
+#include "farfield/fail.hpp"
 #include "farfield/geometry/light.hpp"
 #include "farfield/view/local_view.hpp"
 
@@ -12,7 +15,11 @@ namespace farfield::detail {
 
 class LightInView {
   public:
-    explicit LightInView(const std::optional<DirectionalLight>& light) : given_(light) {}
+    /// Throws std::invalid_argument for a light without a direction, or one that is negative or not finite.
+    explicit LightInView(const std::optional<DirectionalLight>& light) : given_(light) {
+        if (const char* why = light ? wrong_light(*light) : nullptr)
+            detail::fail<std::invalid_argument>(std::string("farfield::") + why);
+    }
 
     /// Takes the outermost hierarchy's view.
     void begin_frame(const LocalView& view) {

@@ -33,7 +33,7 @@ class ClippedPolygon {
         glm::vec4 color;    ///< whatever varies linearly over the polygon
         bool is_cut;
     };
-    /// Enough for triangles and far-field faces; each of the five planes adds at most one corner.
+    /// Enough for triangles and far-field faces; each of the six planes adds at most one corner.
     static constexpr std::size_t largest_input = 8;
 
     /// Takes local coordinates.
@@ -45,11 +45,15 @@ class ClippedPolygon {
         vertices_[count_++] = {p, projection.project(corner), color, false};
     }
 
-    /// Leaves the part beyond the near plane and inside the guard band.
+    /// Leaves the part between the near plane and the far one and inside the guard band.
     void clip(const SampleProjection& projection) {
         if (std::isfinite(projection.near_depth)) {
             const auto near_depth = double(projection.near_depth);
             cut([&](const glm::dvec3& p) { return p.z - near_depth; }, [&](glm::dvec3& p) { p.z = near_depth; });
+        }
+        if (std::isfinite(projection.far_depth)) {
+            const auto far_depth = double(projection.far_depth);
+            cut([&](const glm::dvec3& p) { return far_depth - p.z; }, [&](glm::dvec3& p) { p.z = far_depth; });
         }
         const auto edge = [&](const glm::dvec3& p) { return guard * w(p, projection); };
         cut([&](const glm::dvec3& p) { return edge(p) - p.x; }, [&](glm::dvec3& p) { p.x = edge(p); });
@@ -67,8 +71,8 @@ class ClippedPolygon {
         const float inverse = projection.inverse_w(v.rounded.z);
         const float x = v.rounded.x * inverse + projection.offset_x, y = v.rounded.y * inverse + projection.offset_y;
         // What overflows in single precision is in no polygon that was not clipped.
-        const bool is_rounded =
-            !v.is_cut && v.rounded.z >= projection.near_depth && std::abs(x) < float(guard) && std::abs(y) < float(guard);
+        const bool is_rounded = !v.is_cut && v.rounded.z >= projection.near_depth && std::abs(x) < float(guard) &&
+                                std::abs(y) < float(guard);
         if (is_rounded) {
             t.x[corner] = snapped_to_256th(x);
             t.y[corner] = snapped_to_256th(y);
@@ -106,7 +110,8 @@ class ClippedPolygon {
             const Vertex& beyond = da >= 0 ? b : a;
             const double apart = std::abs(da - db), t = std::abs(da >= 0 ? da : db) / apart,
                          rest = std::abs(da >= 0 ? db : da) / apart;
-            Vertex& v = out[n++] = {in.p * rest + beyond.p * t, {}, in.color + (beyond.color - in.color) * float(t), true};
+            Vertex& v =
+                out[n++] = {in.p * rest + beyond.p * t, {}, in.color + (beyond.color - in.color) * float(t), true};
             put(v.p);
         }
         count_ = n;

@@ -2,10 +2,15 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
+#include <stdexcept>
 
+#include "farfield/fail.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield::detail {
@@ -18,7 +23,8 @@ struct ColorWeight {
 };
 
 /// Sample (i, j), rows downwards, has its center at (i + 1/2, j + 1/2). Coordinates are relative to the sample nearest
-/// to the image's center, so that snapping reaches equally far on both sides, and in 1/256 sample, to which it rounds.
+/// to where the view's axis meets the picture's plane, its center in most pictures, and in 1/256 sample, to which
+/// snapping rounds. So tiles of one picture have the same coordinates and get the same samples.
 ///
 /// Depths are counted from the view's anchor. They are kept as q, which is linear over the screen and larger when
 /// nearer: 1 / depth in perspective views and -depth in orthographic ones, in the view's depth_unit. It is the depth in
@@ -40,33 +46,35 @@ struct SampleProjection {
     /// q is (q_of_inverse + depth * q_of_depth) / w.
     float q_of_inverse = 1, q_of_depth = 0;
     float near_depth = 0;  ///< from the anchor
-    float focal = 1;       ///< in samples
+    float far_depth = std::numeric_limits<float>::infinity();
+    glm::vec2 focal{1};  ///< in samples
     bool is_perspective = true;
-    bool is_at_eye = true;  ///< whether depths are counted from the eye
+    bool is_mirrored = false;  ///< what is counter-clockwise from its front is clockwise on the screen
+    bool is_at_eye = true;     ///< whether depths are counted from the eye
     ColorWeight color_weight;
-    std::uint32_t seed = 0;  ///< LocalView's
+    std::uint32_t seed = 0;                              ///< LocalView's
     int first_x = 0, first_y = 0, end_x = 0, end_y = 0;  ///< the image, relative to the center sample
 
     SampleProjection() = default;
     SampleProjection(const LocalView& view, int samples_a_side) {
         const int width = view.width * samples_a_side, height = view.height * samples_a_side;
         anchor = view.anchor;
-        focal = view.focal_px * float(samples_a_side);
-        right = view.right * (focal * 256);
-        down = -view.up * (focal * 256);
+        focal = view.focal_px * float(samples_a_side) * view.squeeze;
+        right = view.right * (focal.x * 256);
+        down = -view.up * (focal.y * 256);
         forward = view.forward;
-        first_x = -(width / 2);
-        first_y = -(height / 2);
+        place(width, view.off_center.x * width / 2, first_x, offset_x);
+        place(height, -view.off_center.y * height / 2, first_y, offset_y);
         end_x = first_x + width;
         end_y = first_y + height;
-        offset_x = 128.0f * float(width) + 256.0f * float(first_x);
-        offset_y = 128.0f * float(height) + 256.0f * float(first_y);
         is_perspective = view.is_perspective;
         is_at_eye = view.anchor_depth == 0;
         seed = view.seed;
         depth_weight = is_perspective ? 1.0f : 0.0f;
+        is_mirrored = view.is_mirrored;
         depth_bias = is_perspective ? view.anchor_depth : 1.0f;
         near_depth = view.near_depth - view.anchor_depth;
+        far_depth = view.far_depth - view.anchor_depth;
         const float world_units = view.scale / view.depth_unit;
         if (!is_perspective) {
             q_of_inverse = 0;
@@ -93,6 +101,23 @@ struct SampleProjection {
     float w(float depth) const { return depth * depth_weight + depth_bias; }
     float inverse_w(float depth) const { return 1.0f / w(depth); }
     float q(float depth, float inverse) const { return inverse * (q_of_inverse + depth * q_of_depth); }
+
+  private:
+    /// `shift` says how many samples beyond the axis an image's center lies. Where images would leave the guard band,
+    /// std::invalid_argument is thrown.
+    static void place(int samples, double shift, int& first, float& offset) {
+        first = -(samples / 2);
+        offset = 128.0f * float(samples) + 256.0f * float(first);
+        if (shift == 0) return;
+        const double most = double(guard_band) - 1, steps = std::round(shift);
+        if (!(first + steps >= -most && first + steps + samples <= most)) {
+            detail::fail<std::invalid_argument>(
+                "farfield::Camera: off_center puts the picture more than 16000 samples beside the view's axis; take "
+                "fewer samples, or turn the camera");
+        }
+        first += int(steps);
+        offset += float(256 * (steps - shift));
+    }
 };
 
 }  // namespace farfield::detail

@@ -55,6 +55,7 @@ class BasicCoverageRenderer {
         .needs_ordering = is_lazy ? OrderGuarantee::none : OrderGuarantee::primitives,
         .keeps_sources = true,
         .tells_lifetime = true,
+        .tells_light = true,
         .draws_faces = is_lazy,
         .draws_splats = is_lazy,
         .draws_polygons = true,
@@ -65,6 +66,7 @@ class BasicCoverageRenderer {
         : options_(options), light_(options.light), tiler_(options.simd) {}
 
     const Image& image() const { return image_; }
+    const std::optional<DirectionalLight>& light() const { return options_.light; }
     /// The work of the last frame.
     const typename Traits::work& work() const { return target_.work; }
     /// The size of the coverage pyramid: 1 2/63 bits a sample where the image's sides are powers of 8.

@@ -67,6 +67,7 @@ class HierarchicalZRenderer {
     static constexpr RendererFacts facts{.order = VisitOrder::front_to_back,
                                          .keeps_sources = true,
                                          .tells_lifetime = true,
+                                         .tells_light = true,
                                          .draws_faces = true,
                                          .draws_splats = true,
                                          .answers_hidden = true,
@@ -77,6 +78,7 @@ class HierarchicalZRenderer {
         : canvas_(options, "HierarchicalZRenderer"), rows_(options.simd) {}
 
     const Image& image() const { return canvas_.image(); }
+    const std::optional<DirectionalLight>& light() const { return canvas_.options().light; }
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {

@@ -90,7 +90,8 @@ class PainterRenderer {
     static constexpr RendererFacts facts{.order = VisitOrder::back_to_front,
                                          .needs_ordering = OrderGuarantee::primitives,
                                          .keeps_sources = true,
-                                         .tells_lifetime = true};
+                                         .tells_lifetime = true,
+                                         .tells_light = true};
 
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
     explicit PainterRenderer(const PainterOptions& options = {})
@@ -101,6 +102,7 @@ class PainterRenderer {
           light_(options.light) {}
 
     const Image& image() const { return image_; }
+    const std::optional<DirectionalLight>& light() const { return options_.light; }
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {

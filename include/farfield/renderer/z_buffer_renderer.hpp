@@ -33,6 +33,7 @@ class ZBufferRenderer {
   public:
     static constexpr RendererFacts facts{.keeps_sources = true,
                                          .tells_lifetime = true,
+                                         .tells_light = true,
                                          .draws_faces = true,
                                          .draws_splats = true,
                                          .answers_hidden = true,
@@ -42,6 +43,7 @@ class ZBufferRenderer {
     explicit ZBufferRenderer(const ZBufferOptions& options = {}) : canvas_(options, "ZBufferRenderer") {}
 
     const Image& image() const { return canvas_.image(); }
+    const std::optional<DirectionalLight>& light() const { return canvas_.options().light; }
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {
@@ -83,8 +85,8 @@ class ZBufferRenderer {
         if (!(nearest > 0)) return false;
         const float inverse = projection.inverse_w(p.z) * (1.0f / 256), x = p.x * inverse, y = p.y * inverse;
         const float skew = projection.is_perspective ? 1.0f : 0.0f, reach = radius / nearest;
-        const float rx = reach * (projection.focal + skew * std::abs(x)),
-                    ry = reach * (projection.focal + skew * std::abs(y));
+        const float rx = reach * (projection.focal.x + skew * std::abs(x)),
+                    ry = reach * (projection.focal.y + skew * std::abs(y));
         if (!(rx < 64 && ry < 64)) return false;  // large ones are seldom hidden and their children are asked again
         const float cx = x + projection.offset_x * (1.0f / 256), cy = y + projection.offset_y * (1.0f / 256);
         constexpr float guard = detail::SampleProjection::guard_band;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "farfield/geometry/box.hpp"
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/light.hpp"
 #include "farfield/geometry/polygon.hpp"
 #include "farfield/sampler.hpp"
@@ -29,6 +30,8 @@ class GridSampler {
     GridSampler() = default;
     GridSampler(const DirectionalLight& l)  // NOLINT(google-explicit-constructor): a light is all it needs
         : light(l) {}
+
+    const char* wrong_option() const { return light ? wrong_light(*light) : nullptr; }
 
     /// The factor that the light gives to colors of the side with this normal (any length).
     float brightness(const Polygon& polygon, glm::vec3 facing_viewer) const {
@@ -159,7 +162,7 @@ class GridSampler {
     }
 
     void light_sides(const Corners& c, bool front_looks_up, float (&brightness)[2]) const {
-        const glm::vec3 normal = glm::cross(c.position[1] - c.position[0], c.position[2] - c.position[0]);
+        const glm::vec3 normal = normal_to(c.position[1] - c.position[0], c.position[2] - c.position[0]);
         brightness[front_looks_up ? 1 : 0] = light->brightness(normal);
         brightness[front_looks_up ? 0 : 1] = light->brightness(-normal);
     }

@@ -54,7 +54,7 @@ inline std::string wrong_header(std::span<const std::byte> bytes, FileHeader& he
         if (header.byte_order != file_byte_order) return "is damaged: its byte order is unknown";
         if (header.version != file_version) {
             return "has format version " + std::to_string(header.version) + ", this program reads version " +
-                   std::to_string(file_version);
+                   std::to_string(file_version) + ": build and save it again";
         }
     }
     if (bytes.size() < sizeof header) {
@@ -145,6 +145,9 @@ H open_bytes(const FileBytes& file, const std::filesystem::path& where, const Op
     if (!read(Section::partition_options, partition) || !read(Section::approximation_options, approximation) ||
         !read(Section::cost_options, cost)) {
         refuse_file("open", where, "is damaged: an option is neither true nor false");
+    }
+    for (const char* why : {wrong_option(partition), wrong_option(approximation), wrong_option(cost)}) {
+        if (why != nullptr) refuse_file("open", where, std::string("is damaged: ") + why);
     }
     const typename H::Arrays arrays{records_in<Node>(file.bytes, section(Section::nodes)),
                                     records_in<typename H::node_data>(file.bytes, section(Section::node_data)),

@@ -12,15 +12,16 @@ namespace farfield {
 
 /// Bits of the planes that a box still crosses; 0 means that it lies inside all of them, as does everything in it.
 using PlaneMask = std::uint32_t;
-inline constexpr PlaneMask all_planes = 0b11111;
+inline constexpr PlaneMask plane_count = 6;
+inline constexpr PlaneMask all_planes = (PlaneMask(1) << plane_count) - 1;
 inline constexpr PlaneMask outside_a_plane = ~PlaneMask(0);
 
 /// Returns the planes that the box still crosses, or `outside_a_plane`. It is conservative: a box outside no single
 /// plane counts as inside. `mask` names the planes worth testing (Assarsson and Moller 2000, "plane masking").
-inline PlaneMask crossed_planes(const std::array<glm::vec4, 5>& planes, glm::vec3 center, glm::vec3 half,
+inline PlaneMask crossed_planes(const std::array<glm::vec4, plane_count>& planes, glm::vec3 center, glm::vec3 half,
                                 PlaneMask mask) {
     PlaneMask crossed = 0;
-    for (PlaneMask i = 0; i < 5; ++i) {
+    for (PlaneMask i = 0; i < plane_count; ++i) {
         if ((mask >> i & 1) == 0) continue;
         const glm::vec3 normal(planes[i]);
         const float distance = glm::dot(normal, center) + planes[i].w;

@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
@@ -17,6 +19,7 @@
 #include "farfield/geometry/length.hpp"
 #include "farfield/geometry/similarity.hpp"
 #include "farfield/view.hpp"
+#include "farfield/view/frustum.hpp"
 
 namespace farfield {
 
@@ -28,16 +31,22 @@ struct LocalView {
     glm::vec3 up{0, 1, 0};
     glm::vec3 forward{0, 0, -1};
     bool is_perspective = true;
-    /// Pixels that a local unit of length takes: at depth 1 in perspective, anywhere in an orthographic view.
+    bool is_mirrored = false;  ///< see Camera
+    /// Pixels that a local unit of length takes: at depth 1 in perspective, anywhere in an orthographic view. Where
+    /// pixels are not square, it is the larger number.
     float focal_px = 1;
-    float near_depth = 0;  ///< local units; -infinity: nothing is cut
-    float scale = 1;       ///< world units in one local unit of length: multiply depths by it to compare instances
+    glm::vec2 squeeze{1};        ///< pixels a unit takes to the right, and up, in parts of focal_px; at most 1
+    glm::dvec2 off_center{0.0};  ///< see Camera
+    float near_depth = 0;        ///< local units; -infinity: nothing is cut
+    float far_depth = std::numeric_limits<float>::infinity();  ///< local units
+    float scale = 1;  ///< world units in one local unit of length: multiply depths by it to compare instances
     float tolerance_px = 1;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
-    /// Coordinates are projected relative to this point of the ray through the middle of the picture, at `anchor_depth`.
-    /// It is the eye with depth 0, unless the eye is so far that subtracting it would leave nothing of the coordinates.
+    /// Coordinates are projected relative to this point of the ray through the middle of the picture, at
+    /// `anchor_depth`. It is the eye with depth 0, unless the eye is so far that subtracting it would leave nothing of
+    /// the coordinates.
     glm::vec3 anchor{0};
     float anchor_depth = 0;
     /// A power of two, in world units: renderers measure depths in it, because their inverses have to be numbers too.
@@ -45,12 +54,14 @@ struct LocalView {
     /// Goes into whatever is decided by a hash of coordinates, because instances have the same: a hash of the path of
     /// instances that leads here, 0 for the outermost hierarchy.
     std::uint32_t seed = 0;
-    /// Left, right, bottom, top, near, with unit normals; a point is inside where dot(xyz, p) + w >= 0.
-    std::array<glm::vec4, 5> planes{};
+    /// Left, right, bottom, top, near, far, with unit normals; a point is inside where dot(xyz, p) + w >= 0.
+    std::array<glm::vec4, plane_count> planes{};
 
-    /// The hierarchy's coordinates are the user's minus `origin`; `bounds` are in its coordinates.
+    /// The hierarchy's coordinates are the user's minus `origin`; `bounds` are in its coordinates. Throws
+    /// std::invalid_argument as View::check does.
     LocalView(const View& view, glm::dvec3 origin, const Box& bounds)
-        : LocalView(view, origin, bounds.is_empty() ? 1.0f : glm::min(length_of(bounds.size()), std::numeric_limits<float>::max()),
+        : LocalView(view, origin,
+                    bounds.is_empty() ? 1.0f : glm::min(length_of(bounds.size()), std::numeric_limits<float>::max()),
                     bounds.is_empty() ? glm::vec3(0) : bounds.center()) {}
     /// The same for a hierarchy whose bounds have this diagonal around this center.
     LocalView(const View& view, glm::dvec3 origin, float diagonal, glm::vec3 center = glm::vec3(0))
@@ -59,14 +70,23 @@ struct LocalView {
           up(view.camera.up),
           forward(view.camera.forward),
           is_perspective(view.camera.projection == Projection::perspective),
+          is_mirrored(view.camera.is_mirrored()),
           focal_px(float(view.height) / (2 * view.camera.half_height)),
+          off_center(view.camera.off_center),
           near_depth(view.camera.near_depth),
+          far_depth(view.camera.far_depth),
           tolerance_px(view.tolerance_px),
           distance(view.distance),
           width(view.width),
           height(view.height),
           anchor(eye),
           depth_unit(std::ldexp(1.0f, glm::clamp(exponent_of(diagonal), -100, 100))) {
+        view.check();
+        if (view.camera.half_width > 0) {
+            const glm::vec2 focal(float(view.width) / (2 * view.camera.half_width), focal_px);
+            focal_px = glm::max(focal.x, focal.y);
+            squeeze = focal / focal_px;
+        }
         if (near_depth == 0) {
             near_depth = is_perspective ? diagonal * 0x1p-40f : -std::numeric_limits<float>::infinity();
         }
@@ -74,27 +94,28 @@ struct LocalView {
         if (is_perspective) {
             near_depth = glm::max(near_depth, glm::max(diagonal * 0x1p-64f, std::numeric_limits<float>::min()));
         }
-        move_anchor(view.camera.eye - origin, diagonal, center);
+        move_anchor(view.camera.eye - origin, diagonal, center, origin);
         set_planes();
     }
 
     /// The same view seen from inside an instance: `offset` is the instance's own origin in its own coordinates.
     LocalView inside(const Similarity& placed, glm::dvec3 outer_origin, glm::dvec3 inner_origin) const {
         LocalView v = *this;
-        const glm::mat3 to_local = glm::transpose(placed.rotation);
+        const glm::mat3 to_local = glm::transpose(placed.rotation());
         const auto moved = [&](glm::vec3 p) {
             const glm::dvec3 from_placement = glm::dvec3(p) + outer_origin - placed.translation;
-            return glm::vec3(glm::dmat3(to_local) * from_placement / double(placed.scale) - inner_origin);
+            return glm::vec3(glm::dmat3(to_local) * from_placement / double(placed.scale()) - inner_origin);
         };
         v.eye = moved(eye);
         v.anchor = moved(anchor);
-        v.anchor_depth = anchor_depth / placed.scale;
+        v.anchor_depth = anchor_depth / placed.scale();
         v.right = to_local * right;
         v.up = to_local * up;
         v.forward = to_local * forward;
-        v.near_depth = near_depth / placed.scale;
-        v.scale = scale * placed.scale;
-        if (!is_perspective) v.focal_px = focal_px * placed.scale;
+        v.near_depth = near_depth / placed.scale();
+        v.far_depth = far_depth / placed.scale();
+        v.scale = scale * placed.scale();
+        if (!is_perspective) v.focal_px = focal_px * placed.scale();
         v.set_planes();
         return v;
     }
@@ -142,14 +163,14 @@ struct LocalView {
     /// view stays, but depths are counted from a point of the axis next to the scene.
     ///
     /// Not where it would gain less than four bits: differences of an eye nearby are rounded as they always were.
-    void move_anchor(glm::dvec3 exact_eye, float diagonal, glm::vec3 center) {
+    void move_anchor(glm::dvec3 exact_eye, float diagonal, glm::vec3 center, glm::dvec3 origin) {
         // The axis along which nothing moves sideways on the screen; axes in single precision are not quite square.
         glm::dvec3 axis = glm::cross(glm::dvec3(up), glm::dvec3(right));
         if (glm::dot(axis, glm::dvec3(forward)) < 0) axis = -axis;
         axis = direction_of(axis);
         const double to_center = glm::dot(glm::dvec3(center) - exact_eye, axis), size = double(diagonal);
-        // Things in the view may be much smaller than the scene, and lie where coordinates are finest.
-        const glm::dvec3 next_to = length_of(center) <= diagonal ? glm::dvec3(0) : glm::dvec3(center);
+        // Things in the view may be much smaller than the scene, and lie where the user's coordinates are finest.
+        const glm::dvec3 next_to = length_of(glm::dvec3(center) + origin) <= size ? -origin : glm::dvec3(center);
         const double slid = glm::dot(next_to - exact_eye, axis);
         const float depth = float(slid * glm::dot(axis, glm::dvec3(forward)));
         const auto moved = glm::vec3(exact_eye + axis * slid);
@@ -163,21 +184,29 @@ struct LocalView {
             if (!(std::abs(to_center) > 4 * size || std::abs(to_center) > 64 * seen)) return;
             eye = anchor = moved;
             near_depth -= depth;
+            far_depth -= depth;
         }
     }
 
     void set_planes() {
-        const float half_width = float(width) / (2 * focal_px);
-        const float half_height = float(height) / (2 * focal_px);
+        const float half_width = float(width) / (2 * focal_px * squeeze.x);
+        const float half_height = float(height) / (2 * focal_px * squeeze.y);
+        const glm::vec2 off(off_center);
         const auto side = [&](glm::vec3 axis, float half) {
             // Perspective planes pass through the eye and tilt inwards; orthographic ones stand beside it.
             if (!is_perspective) return glm::vec4(-axis, half + glm::dot(axis, eye));
-            const glm::vec3 n = glm::normalize(half * forward - axis);
-            return glm::vec4(n, glm::dot(n, forward) * anchor_depth - glm::dot(n, anchor));
+            const glm::vec3 inwards = half * forward - axis, n = glm::normalize(inwards);
+            return glm::vec4(n, half * anchor_depth / glm::length(inwards) - glm::dot(n, anchor));
         };
-        planes = {side(-right, half_width), side(right, half_width), side(-up, half_height), side(up, half_height),
-                  glm::vec4(forward, anchor_depth - glm::dot(forward, anchor) - near_depth)};
-        if (std::isinf(near_depth)) planes[4] = glm::vec4(0, 0, 0, 1);
+        planes = {side(-right, half_width * (1 - off.x)),
+                  side(right, half_width * (1 + off.x)),
+                  side(-up, half_height * (1 - off.y)),
+                  side(up, half_height * (1 + off.y)),
+                  glm::vec4(forward, anchor_depth - glm::dot(forward, anchor) - near_depth),
+                  glm::vec4(-forward, glm::dot(forward, anchor) - anchor_depth + far_depth)};
+        for (const std::size_t i : {4u, 5u}) {
+            if (std::isinf(planes[i].w)) planes[i] = glm::vec4(0, 0, 0, 1);
+        }
     }
 };
 

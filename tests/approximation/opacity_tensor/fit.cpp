@@ -188,7 +188,7 @@ TEST_CASE("centroid, extent and color are those of the contents", "[approximatio
     TensorShape s = shape_of(cell, t);
     const auto at = [](glm::vec3 p) { return (p + 2.0f) * 0.25f; };
     CHECK(glm::length(s.center - at({0.5f, 0.25f, 0.5f})) < 1e-5f);
-    CHECK(glm::length(s.extent - glm::vec3(0.25f, 0.125f, 1.0f / 16)) < 1e-5f);
+    CHECK(glm::length(s.extent - glm::vec3(0.25f, 0.125f, 1.0f / 64)) < 1e-5f);
     CHECK(glm::length(s.rgb - glm::vec3(200, 100, 50)) < 0.01f);
     // Three times as large, elsewhere, of another color.
     append(t, sheet({-1, -1, -0.5f}, {1, 0, 0}, {0, 1.5f, 0}, 3, 2, {0, 200, 50, 255}));

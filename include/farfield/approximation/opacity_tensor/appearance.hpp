@@ -11,9 +11,11 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "farfield/approximation/opacity_tensor/axis_masks.hpp"
 #include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
 #include "farfield/drawables.hpp"
 #include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/box.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/view/local_view.hpp"
@@ -42,23 +44,14 @@ struct TensorAppearance {
             area *= 0.5f * fronts;
         }
         if (counts_overlap) {
-            const float outline = outline_from(w);
+            const float outline = shape.outline_from(w);
             area = outline * (1 - transmitted(1, area / outline, shape.law));
         }
         return {area, glm::min(shape.rgb * tone, glm::vec3(255))};
     }
 
-    /// Area of the contents' outline. Sheets lie anywhere in their box. Leaves strewn in it are thin where they are
-    /// seen through one of its edges or corners, which count for less: within 4 % of the area that leaves cover where
-    /// they fill a cube once or twice.
-    float outline_from(glm::vec3 w) const {
-        const glm::vec3 e = shape.extent, sides = glm::abs(w) * glm::vec3(e.y * e.z, e.z * e.x, e.x * e.y);
-        const float outline = sides.x + sides.y + sides.z;
-        return shape.law == AreaLaw::coherent ? outline : 0.15f * outline + 0.85f * std::sqrt(glm::dot(sides, sides));
-    }
-
-    /// Width and height, in the picture, of the rectangle that is drawn about `center`.
-    glm::vec2 rectangle(glm::vec3 center, const LocalView& view, float strewn_over) const {
+    /// Width and height, in the picture, of the rectangle that is drawn about `center` and has room for this area.
+    glm::vec2 rectangle(glm::vec3 center, const LocalView& view, float area) const {
         glm::vec3 right = view.right, up = view.up;
         if (view.is_perspective) {  // points that lie deeper are nearer to the vanishing point
             const glm::vec3 d = center - view.eye;
@@ -69,7 +62,8 @@ struct TensorAppearance {
         if (shape.law != AreaLaw::coherent) {
             right *= shape.extent;
             up *= shape.extent;
-            return glm::sqrt(strewn_over * glm::vec2(glm::dot(right, right), glm::dot(up, up)));
+            const glm::vec2 size = glm::sqrt(glm::vec2(glm::dot(right, right), glm::dot(up, up)));
+            return size * std::sqrt(std::max(area / (size.x * size.y), 1.0f));
         }
         // In a flat sheet the coordinate in which it is steepest follows from the others: it is not as large as its
         // box.
@@ -81,7 +75,22 @@ struct TensorAppearance {
             up -= n * (up[k] / n[k]);
         }
         const glm::vec2 size(glm::dot(glm::abs(right), shape.extent), glm::dot(glm::abs(up), shape.extent));
-        return glm::max(glm::min(size, box), 0x1p-8f);  // edge-on
+        return with_room(glm::max(glm::min(size, box), 0x1p-8f), box, area);  // edge-on
+    }
+
+    /// What takes more room than one sheet has is several, strewn over their box.
+    static glm::vec2 with_room(glm::vec2 size, glm::vec2 box, float area) {
+        const float times = area / (size.x * size.y);
+        if (!(times > 1)) return size;
+        size += glm::max(box - size, 0.0f) * std::min(4 * (times - 1), 1.0f);
+        return size * std::sqrt(std::max(area / (size.x * size.y), 1.0f));
+    }
+
+    /// Whether the contents may go on in neighboring cells in two directions, as a surface does: rounding included.
+    bool reaches_across(const Cell& cell) const {
+        const glm::vec3 e = shape.extent;
+        const float second = std::max(std::min(e.x, e.y), std::min(std::max(e.x, e.y), e.z));
+        return second * tensor_unit(cell) >= 1.75f * glm::max(cell.half.x, glm::max(cell.half.y, cell.half.z));
     }
 
     /// The contents' centroid, in local coordinates.
@@ -89,14 +98,43 @@ struct TensorAppearance {
         return cell.bounds_center - cell.bounds_half + shape.center * tensor_unit(cell);
     }
 
+    /// What three crossing faces are to be multiplied by so that they show as much as the contents to a cell's masks.
+    /// From between the axes they lie in front of one another: of what looks the same from everywhere they show a
+    /// twentieth too little.
+    float gain_of_crossing_faces() const {
+        const glm::vec3 half = 0.5f * shape.extent;
+        AxisMasks masks;
+        float area = 0, opaque = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            glm::vec3 w(0), u(0), v(0);
+            w[axis] = 1;
+            u[(axis + 1) % 3] = half[(axis + 1) % 3];
+            v[(axis + 2) % 3] = half[(axis + 2) % 3];
+            const float seen = seen_from(w).area;
+            if (!(seen > 0)) continue;
+            area += seen;
+            opaque += 4 * u[(axis + 1) % 3] * v[(axis + 2) % 3];
+            const Box box{glm::vec3(-0.5f), glm::vec3(0.5f)};
+            masks.add(box, {-u - v, u - v, u + v});
+            masks.add(box, {-u - v, u + v, v - u});
+        }
+        float covered = 0, shown = 0;
+        for (int view = 0; view < AxisMasks::views; ++view) {
+            const glm::vec3 w = AxisMasks::direction(view);
+            covered += 0.5f * (seen_from(w).area + seen_from(-w).area);
+            shown += float(masks.count(view)) * AxisMasks::sample_area(view) * std::min(area / opaque, 1.0f);
+        }
+        return shown > 0 ? covered / shown : 1.0f;
+    }
+
     /// One of three rectangles that cross at the centroid, as opaque as the contents are along its normal.
-    Face crossing_face(const Cell& cell, int axis, bool looks_up) const {
+    Face crossing_face(const Cell& cell, int axis, bool looks_up, float gain = 1) const {
         const glm::vec3 center = center_in(cell), half = shape.extent * (0.5f * tensor_unit(cell));
         glm::vec3 w(0);
         w[axis] = looks_up ? 1.0f : -1.0f;
         const Seen seen = seen_from(w);
         const float outline = shape.extent[(axis + 1) % 3] * shape.extent[(axis + 2) % 3];
-        const float alpha = std::min(seen.area / outline, 1.0f);
+        const float alpha = std::min(gain * seen.area / outline, 1.0f);
         Face face{center - half, center + half, to_rgba8(glm::vec4(seen.rgb * (alpha / 255), alpha)),
                   std::uint8_t(2 * axis + (looks_up ? 1 : 0))};
         face.lower[axis] = face.upper[axis] = center[axis];

@@ -87,6 +87,20 @@ class AxisMasks {
         return sum;
     }
 
+    /// How many samples lie within the contents' box along each axis. One that lies on both borders counts once.
+    static glm::ivec3 samples_within(const Box& box, const Box& contents) {
+        const glm::vec3 size = box.size();
+        glm::ivec3 count(0);
+        for (int axis = 0; axis < 3; ++axis) {
+            if (!(size[axis] > 0)) continue;
+            const float steps = float(side) / size[axis];
+            const float first = std::ceil((contents.lower[axis] - box.lower[axis]) * steps);
+            const float last = std::ceil((contents.upper[axis] - box.lower[axis]) * steps);
+            count[axis] = int(std::min(last, float(side)) - std::max(first, 0.0f));
+        }
+        return glm::max(count, 0);
+    }
+
     /// The unit vector of a view; the box is taken for a cube.
     static glm::vec3 direction(int view) {
         const float r = 0.57735027f;

@@ -31,7 +31,7 @@ struct TensorShape {
     /// Luminance times area, in units of the mean luminance, is area + dot(tone, w).
     glm::vec3 tone{0};
     glm::vec3 center{0};  ///< centroid, from the lower corner of the bounds; 0 to 1
-    glm::vec3 extent{0};  ///< of the contents' box, above 0
+    glm::vec3 extent{0};  ///< of the box that stands for the contents, above 0
     glm::vec3 rgb{0};     ///< 0 to 255
     float error = 0;      ///< 0 to 1
     AreaLaw law = AreaLaw::independent;
@@ -40,6 +40,15 @@ struct TensorShape {
     float area_seen_from(glm::vec3 w) const {
         const glm::vec3 u(root[0] * w.x + root[1] * w.y + root[2] * w.z, root[3] * w.y + root[4] * w.z, root[5] * w.z);
         return std::sqrt(glm::dot(u, u));
+    }
+
+    /// Area of the contents' outline. Sheets lie anywhere in their box. Leaves strewn in it are thin where they are
+    /// seen through one of its edges or corners, which count for less: within 4 % of the area that leaves cover where
+    /// they fill a cube once or twice.
+    float outline_from(glm::vec3 w) const {
+        const glm::vec3 e = extent, sides = glm::abs(w) * glm::vec3(e.y * e.z, e.z * e.x, e.x * e.y);
+        const float outline = sides.x + sides.y + sides.z;
+        return law == AreaLaw::coherent ? outline : 0.15f * outline + 0.85f * std::sqrt(glm::dot(sides, sides));
     }
 
     /// The normal, of any length, of contents that are nearly flat; 0 unless nine tenths of the surfaces have one
@@ -58,8 +67,9 @@ struct TensorShape {
 /// square, so that a sheet stays thin seen edge-on.
 struct StoredTensor {
     // Fields are listed from the lowest bit. All bits are used: nothing more is worth a seventeenth byte.
-    std::uint64_t first = 0;   ///< root 6 x 6, center 3 x 5, extent 3 x 4, scale's lowest
-    std::uint64_t second = 0;  ///< facing 3 x 5, tone 3 x 5, color 5 + 6 + 5, rest of scale 8, law 2, error 8
+    std::uint64_t first = 0;  ///< root 6 x 6, center 3 x 5, extent 3 x 4, scale's lowest
+    /// Facing 3 x 5, tone 3 x 5, color 5 + 6 + 5, rest of scale 8, law 2, error's root 5, extent's highest 3 x 1.
+    std::uint64_t second = 0;
 
     static StoredTensor packed(const TensorShape& shape) {
         float largest = 0;
@@ -71,7 +81,7 @@ struct StoredTensor {
         Bits low{tensor.first}, high{tensor.second};
         for (const float v : shape.root) low.put(6, signed_bits(v / scale, 31));
         for (int axis = 0; axis < 3; ++axis) low.put(5, nearest(shape.center[axis] * 32, 31));
-        for (int axis = 0; axis < 3; ++axis) low.put(4, nearest(shape.extent[axis] * 16 - 1, 15));
+        for (int axis = 0; axis < 3; ++axis) low.put(4, extent_code(shape.extent[axis]) & 15);
         for (int axis = 0; axis < 3; ++axis) high.put(5, signed_bits(shape.facing[axis] / scale, 15));
         for (int axis = 0; axis < 3; ++axis) high.put(5, signed_bits(shape.tone[axis] / scale, 15));
         high.put(5, nearest(shape.rgb.x * (31.0f / 255), 31));
@@ -80,7 +90,8 @@ struct StoredTensor {
         low.put(1, std::uint32_t(kept) & 1);
         high.put(8, std::uint32_t(kept) >> 1);
         high.put(2, std::uint32_t(shape.law));
-        high.put(8, std::uint32_t(std::ceil(std::min(std::max(0.0f, shape.error), 1.0f) * 255)));
+        high.put(5, std::uint32_t(std::ceil(std::sqrt(std::min(std::max(0.0f, shape.error), 1.0f)) * 31)));
+        for (int axis = 0; axis < 3; ++axis) high.put(1, extent_code(shape.extent[axis]) >> 4);
         return tensor;
     }
 
@@ -96,7 +107,7 @@ struct StoredTensor {
         for (int axis = 0; axis < 3; ++axis) {
             const auto i = unsigned(axis);
             s.center[axis] = float(bits(first, 36 + 5 * i, 5)) * (1.0f / 32);
-            s.extent[axis] = float(bits(first, 51 + 4 * i, 4) + 1) * (1.0f / 16);
+            s.extent[axis] = extents[std::size_t(bits(second, 61 + i, 1) << 4 | bits(first, 51 + 4 * i, 4))];
             s.facing[axis] = float(bits(second, 5 * i, 5) - 16) * step;
             s.tone[axis] = float(bits(second, 15 + 5 * i, 5) - 16) * step;
         }
@@ -108,7 +119,14 @@ struct StoredTensor {
     }
 
     AreaLaw area_law() const { return AreaLaw(second >> 54 & 3); }
-    float error() const { return float(second >> 56) * (1.0f / 255); }
+    float error() const {
+        const float root = float(second >> 56 & 31) * (1.0f / 31);
+        return root * root;
+    }
+    /// The extent that is stored for one, which is from 1/64 to 1.
+    static glm::vec3 rounded_extent(glm::vec3 extent) {
+        return {extents[extent_code(extent.x)], extents[extent_code(extent.y)], extents[extent_code(extent.z)]};
+    }
     /// False for a law that does not exist: all other bits mean something.
     bool is_sound() const { return (second >> 54 & 3) <= 2; }
 
@@ -118,6 +136,20 @@ struct StoredTensor {
     /// Scales run from 2^-22 to 2^10 in steps of 4 % and are rounded up, so that nothing is cut off.
     static constexpr float octaves_below = 22, steps_an_octave = 16;
 
+    /// In 64ths, of which each octave above the first has eight steps: thin layers are as exact as thick ones.
+    static constexpr std::array<float, 32> extents = [] {
+        std::array<float, 32> all{};
+        for (unsigned code = 0; code < 32; ++code) {
+            const unsigned octave = code >> 3, step = code & 7;
+            all[code] = (1.0f / 64) * float(octave == 0 ? step + 1 : (step + 9) << (octave - 1));
+        }
+        return all;
+    }();
+    static std::uint32_t extent_code(float extent) {
+        std::uint32_t code = 0;
+        while (code < 31 && extent >= 0.5f * (extents[code] + extents[code + 1])) ++code;
+        return code;
+    }
     static float scale_of(std::uint32_t exponent) {
         // Two to the power of 0, 1/16, 2/16 and so on.
         static constexpr std::array<float, 16> fractions{

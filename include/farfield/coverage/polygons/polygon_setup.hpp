@@ -64,8 +64,9 @@ class PolygonSetup {
                          projection_.offset_y;
         const Floats q = inverse * (projection_.q_of_inverse + depth * projection_.q_of_depth);
         const Ints is_behind = depth < projection_.near_depth;
-        const Ints is_whole = ~is_behind & (x > -guard) & (x < guard) & (y > -guard) & (y < guard);
-        if (!is_set(is_whole)) return is_set(is_behind) ? void() : draw_clipped(r);
+        const Ints is_beyond = depth > projection_.far_depth;
+        const Ints is_whole = ~is_behind & ~is_beyond & (x > -guard) & (x < guard) & (y > -guard) & (y < guard);
+        if (!is_set(is_whole)) return is_set(is_behind) || is_set(is_beyond) ? void() : draw_clipped(r);
         Corners corners;
         const Floats snapped_x = x + snap_rounder, snapped_y = y + snap_rounder;
         std::memcpy(corners.x.data(), &snapped_x, sizeof snapped_x);
@@ -122,7 +123,7 @@ class PolygonSetup {
             // Snapping bent it, or both are true because all turns are 0 and nothing is left.
             return is_front ? void() : draw_halves();
         }
-        if (!is_front && culls_back_faces_) return;
+        if (is_culled(is_front)) return;
         polygon_.corners = 4;
         const unsigned order[4] = {0, is_front ? 3u : 1u, 2, is_front ? 1u : 3u};
         for (unsigned c = 0; c < 4; ++c) {
@@ -167,7 +168,7 @@ class PolygonSetup {
         const std::int64_t area = t.doubled_area();
         if (area == 0) return;
         const bool is_front = area < 0;  // counter-clockwise, rows running downwards
-        if (!is_front && culls_back_faces_) return;
+        if (is_culled(is_front)) return;
         if (is_front) t.flip();
         shade(r, of, is_front, colors, t);
         tile_clockwise(t, std::abs(area));
@@ -185,6 +186,9 @@ class PolygonSetup {
         tile_(polygon_);
     }
 
+    /// `is_front` is told of the screen, where mirrored pictures show it the other way round.
+    bool is_culled(bool is_front) const { return is_front == projection_.is_mirrored && culls_back_faces_; }
+
     bool holds_no_sample(std::int32_t low_x, std::int32_t high_x, std::int32_t low_y, std::int32_t high_y) const {
         constexpr int reach = Tile::reach_of_samples;
         const std::int32_t x0 = (low_x - reach + 127) >> 8, x1 = (high_x + reach - 128) >> 8;
@@ -193,8 +197,8 @@ class PolygonSetup {
                y1 < projection_.first_y;
     }
 
-    /// The corners `of` give the normal. Null `colors` stand for the record's one. Otherwise there are four: those of the
-    /// triangle, in the order of corners before they were turned clockwise, and one more that the surface has.
+    /// The corners `of` give the normal. Null `colors` stand for the record's one. Otherwise there are four: those of
+    /// the triangle, in the order of corners before they were turned clockwise, and one more that the surface has.
     void shade(const PolygonRecord& r, const Three& of, bool is_front, const Rgba8* colors,
                const SnappedTriangle& clockwise) {
         Surface& s = polygon_.surface;
@@ -211,7 +215,7 @@ class PolygonSetup {
         if (!is_opaque) s.hash = hash_of_triangle(corner(0), corner(1), corner(2)) + projection_.seed;
         if (light_ != nullptr) {
             const glm::vec3 n = normal_to(corner(1) - corner(0), corner(2) - corner(0));
-            const float brightness = light_->brightness(is_front ? n : -n);
+            const float brightness = light_->brightness(is_front != projection_.is_mirrored ? n : -n);
             for (Rgba8& c : s.colors) c = scaled(c, brightness);
         }
         if (colors != nullptr) s.triangle = clockwise;

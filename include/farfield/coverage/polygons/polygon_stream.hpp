@@ -7,8 +7,10 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <initializer_list>
 #include <vector>
 
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/renderer.hpp"
 
@@ -111,7 +113,10 @@ class PolygonStream {
     /// Whether corner i + 2 has, up to one step, the color that corners 0, i and i + 1 give linearly.
     static bool has_one_gradient(const Polygon& polygon, std::size_t i) {
         const glm::vec3 p = polygon.vertices[0];
-        const glm::vec3 u = polygon.vertices[i] - p, v = polygon.vertices[i + 1] - p, w = polygon.vertices[i + 2] - p;
+        glm::vec3 u = polygon.vertices[i] - p, v = polygon.vertices[i + 1] - p, w = polygon.vertices[i + 2] - p;
+        // What follows are products of four lengths.
+        const int exponent = -exponent_of(glm::max(largest_component(u), largest_component(v)));
+        for (glm::vec3* side : {&u, &v, &w}) *side = times_power_of_two(*side, exponent);
         const float uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v);
         const float wu = glm::dot(w, u), wv = glm::dot(w, v), determinant = uu * vv - uv * uv;
         if (!(determinant > 0)) return false;

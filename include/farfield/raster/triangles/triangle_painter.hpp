@@ -147,14 +147,14 @@ class TrianglePainter {
         if (fill_.rejects(t)) return;
         const std::int64_t signed_area = t.doubled_area();
         if (signed_area == 0) return;
-        const bool front = signed_area < 0;  // counter-clockwise, rows running downwards
-        if (front) {
+        const bool is_clockwise = signed_area > 0;  // rows run downwards
+        const bool front = is_clockwise == projection_.is_mirrored;
+        if (!front && culls_back_faces_) return;
+        if (!is_clockwise) {
             t.flip();
             std::swap(colors[1], colors[2]);
-        } else if (culls_back_faces_) {
-            return;
         }
-        const std::int64_t doubled_area = front ? -signed_area : signed_area;
+        const std::int64_t doubled_area = is_clockwise ? signed_area : -signed_area;
         const auto light = [&] {
             if (!light_) return;
             const float brightness = light_->brightness(normal(triangle, front));

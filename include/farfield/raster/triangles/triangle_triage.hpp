@@ -33,9 +33,9 @@ struct TriagedBlock {
 /// Each mask has one bit a lane.
 struct TriageMasks {
     unsigned draw;        ///< may hold a sample of the image
-    unsigned clip;        ///< crosses the near plane or leaves the guard band: see polygon_clip.hpp
+    unsigned clip;        ///< crosses the near plane or the far one, or leaves the guard band: see polygon_clip.hpp
     unsigned small_ones;  ///< to be deposited: has an area and touches the image. 0 where nothing is deposited
-    unsigned front;       ///< for small ones: counter-clockwise on the screen
+    unsigned front;       ///< for small ones: seen from their front
 };
 
 /// How a view measures depth: see SampleProjection.

@@ -44,9 +44,10 @@ inline Ints snapped(Floats v) {
 template <Depths depths, bool deposits>
 inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& projection, TriagedBlock& out) {
     TriageMasks masks{0, 0, 0, 0};
+    const bool has_far_plane = projection.far_depth < std::numeric_limits<float>::infinity();
     for (unsigned first = 0; first < TriangleBlock::lanes; first += FARFIELD_LANES) {
         Floats x[3], y[3], q[3];
-        Ints behind[3];
+        Ints behind[3], beyond[3] = {Ints{}, Ints{}, Ints{}};
         for (unsigned c = 0; c < 3; ++c) {
             const Floats dx = load(block.v[3 * c] + first) - projection.anchor.x;
             const Floats dy = load(block.v[3 * c + 1] + first) - projection.anchor.y;
@@ -71,6 +72,7 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& pr
             x[c] += projection.offset_x;
             y[c] += projection.offset_y;
             behind[c] = depth < projection.near_depth;
+            if (has_far_plane) beyond[c] = depth > projection.far_depth;
             store(out.x[c] + first, x[c]);
             store(out.y[c] + first, y[c]);
             store(out.q[c] + first, q[c]);
@@ -80,8 +82,9 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& pr
         const Floats low_y = lower(lower(y[0], y[1]), y[2]), high_y = upper(upper(y[0], y[1]), y[2]);
         const float guard = SampleProjection::guard_band * 256;
         const Ints in_guard_band = (low_x > -guard) & (high_x < guard) & (low_y > -guard) & (high_y < guard);
-        const Ints gone = behind[0] & behind[1] & behind[2];
-        const Ints clip = (~in_guard_band | behind[0] | behind[1] | behind[2]) & ~gone;
+        const Ints gone = (behind[0] & behind[1] & behind[2]) | (beyond[0] & beyond[1] & beyond[2]);
+        const Ints clip =
+            (~in_guard_band | behind[0] | behind[1] | behind[2] | beyond[0] | beyond[1] | beyond[2]) & ~gone;
         // A sample i is inside if 256 i + 128 is in [lowest, highest].
         const Ints x0 = (snapped(low_x) + 127) >> 8, x1 = (snapped(high_x) - 128) >> 8;
         const Ints y0 = (snapped(low_y) + 127) >> 8, y1 = (snapped(high_y) - 128) >> 8;
@@ -103,6 +106,7 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& pr
             store(out.area + first, upper(doubled_area, -doubled_area) * 0x1p-17f);
         }
     }
+    if (projection.is_mirrored) masks.front = ~masks.front;
     return masks;
 }
 
