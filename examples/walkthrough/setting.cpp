@@ -5,6 +5,7 @@
 #include <cctype>
 #include <filesystem>
 #include <iostream>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -45,7 +46,9 @@ farfield::scenes::Scene load(const std::string& file, const std::vector<std::str
         farfield::scenes::Scene scene = farfield::scenes::load(file);
         say_what_is_left_out(file, scene.notes);
         return scene;
-    } catch (const std::runtime_error& e) {
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
         throw UsageError(e.what());
     }
 }
@@ -65,6 +68,8 @@ Setting make_setting(const std::string& asked) {
     }
     setting.bounds = farfield::scenes::bounds(setting.scene);
     if (setting.bounds.is_empty()) throw UsageError("nothing to draw in '" + asked + "'");
+    if (!setting.bounds.is_finite())
+        throw UsageError("'" + asked + "' has coordinates that are not finite or too large");
     const bool outdoors = generated && asked != "molecule" && asked != "tree";
     if (outdoors) setting.background = {{126, 173, 224, 255}, {222, 236, 247, 255}};
     setting.culls_back_faces = generated ? asked == "molecule" : has_atoms(asked);
