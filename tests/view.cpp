@@ -54,7 +54,7 @@ TEST_CASE("numbers that make no camera are refused") {
 namespace {
 std::string refusal(const View& view) {
     try {
-        view.check();
+        view.validate();
         return "taken";
     } catch (const std::invalid_argument& e) {
         return e.what();

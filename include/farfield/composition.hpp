@@ -107,7 +107,7 @@ constexpr bool check_partition() {
                 requires(const T& t, const Cell& c, const Data& d, const Item& item) {
                     t.place(c, d, item, archetype::Touches{}, archetype::Emit{});
                 },
-                "farfield: the partition needs `place(const Cell&, const node_data&, const Item&, touches, emit) "
+                "farfield: the partition needs `place(const Cell&, const node_data&, const Item&, touches, give) "
                 "const`");
         }
         if constexpr (T::facts.offers.contains(Assignment::clipped)) {

@@ -12,7 +12,7 @@ function(may_include room)
   set(rooms ${rooms} "${room}" PARENT_SCOPE)
 endfunction()
 
-set(contracts approximation.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp partition.hpp
+set(contracts approximation.hpp camera.hpp camera_from_matrices.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp partition.hpp
               primitive.hpp renderer.hpp sampler.hpp view view.hpp)
 set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
 set(frame frame ${hierarchy})
@@ -84,6 +84,7 @@ tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/t
 tested_by(renderer/z_buffer_renderer raster/samples/depth_tested_fill raster/samples/far_deposits
           raster/samples/z_buffer_canvas)
 tested_by(tuning/advise tuning/variants)
+tested_by(view camera)
 tested_by(voxel/voxel_pyramid voxel/voxel_masks)
 
 # --- the check

@@ -81,7 +81,7 @@ struct LocalView {
           height(view.height),
           anchor(eye),
           depth_unit(std::ldexp(1.0f, glm::clamp(exponent_of(diagonal), -100, 100))) {
-        view.check();
+        view.validate();
         if (view.camera.half_width > 0) {
             const glm::vec2 focal(float(view.width) / (2 * view.camera.half_width), focal_px);
             focal_px = glm::max(focal.x, focal.y);

@@ -19,8 +19,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "farfield/camera.hpp"
 #include "farfield/fail.hpp"
-#include "farfield/view.hpp"
 
 namespace farfield {
 namespace detail {
@@ -46,7 +46,7 @@ class CameraFromMatrices {
         const glm::dvec4 w = row_of(clip_, 3);
         const bool is_perspective = glm::length(glm::dvec3(w)) > 0;
         Camera camera = is_perspective ? perspective(w) : orthographic(w.w);
-        camera.check();
+        camera.validate();
         return camera;
     }
 

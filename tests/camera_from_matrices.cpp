@@ -1,4 +1,4 @@
-#include "farfield/view/camera_from_matrices.hpp"
+#include "farfield/camera_from_matrices.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -118,7 +118,7 @@ TEST_CASE("a camera shows points where an engine's matrices show them, and cuts 
                                  : Camera::from_matrices(view, engine.projection, depth);
             v.width = 320;
             v.height = 200;
-            REQUIRE_NOTHROW(v.check());
+            REQUIRE_NOTHROW(v.validate());
             const bool is_mirrored =
                 (engine.looks_along_plus_z != (i % 5 == 4)) != (std::string(engine.name) == "upside down");
             CHECK(v.camera.is_mirrored() == is_mirrored);
