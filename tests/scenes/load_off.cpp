@@ -79,7 +79,7 @@ TEST_CASE("OFF: what is wrong is said, with its line", "[scenes][load]") {
     CHECK(contains(failure("OFF\n4 1 0\n" + square + "4 0 1 2 -1\n"), "line 7"));
     CHECK(contains(failure("OFF\n4 1 0\n" + square + "3 0 1 2 1 0\n"), "line 7: a color of 2 numbers"));
     CHECK(contains(failure("OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n"), "vertex 1 is not finite"));
-    CHECK(contains(failure("OFF\n3 1 0\n0 0 0\n1 0 1e99\n0 1 0\n3 0 1 2\n"), "vertex 1 is not finite"));
+    CHECK(contains(failure("OFF\n3 1 0\n0 0 0\n1 0 1e99\n0 1 0\n3 0 1 2\n"), "vertex 1 is too far away"));
     CHECK(contains(failure("OFF\n3 1 0\n0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n"), "line 4: 'x'"));
     CHECK(contains(failure("4OFF\n1 0 0\n1 1 1 0\n"), "vertex 0 is not finite"));
     CHECK(contains(failure("OFF\n4 2 0\n" + square + "3 0 1 2\n"), "face 1 of 2"));

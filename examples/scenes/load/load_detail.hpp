@@ -135,15 +135,6 @@ inline const glm::dvec3& finite(const glm::dvec3& point, std::string_view kind, 
     return point;
 }
 
-/// As a vertex; throws "vertex 7 is not finite" or "atom 7 ...".
-inline glm::vec3 finite(double x, double y, double z, std::string_view kind, std::size_t index) {
-    const glm::vec3 v(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
-        throw std::runtime_error(std::string(kind) + ' ' + std::to_string(index) + " is not finite");
-    }
-    return v;
-}
-
 /// Throws if a file of `bytes` cannot hold `count` things of at least `least_bytes` each.
 inline void check_room(std::uint64_t count, std::uint64_t least_bytes, std::uint64_t bytes, std::string_view things) {
     if (least_bytes > 0 && count > bytes / least_bytes) {
