@@ -16,6 +16,7 @@ struct BuildFacts {
     std::uint32_t levels = 0;  ///< of the deepest hierarchy
     /// What is drawn comes in strict order, so that coverage masks need not compare depths.
     bool keeps_strict_order = false;
+    std::uint64_t cells_over_piece_budget = 0;  ///< as BuildReport's
 };
 
 /// Draws frames of a BuiltScene, which outlives it.

@@ -22,7 +22,9 @@ inline Camera framing(const BoxD& box, glm::dvec3 direction, float vertical_fov_
         const double across = std::max(std::abs(glm::dot(corner, right)), std::abs(glm::dot(corner, up)));
         distance = std::max(distance, across / tangent + glm::dot(corner, back));
     }
-    const glm::dvec3 center = box.center();
+    // A point is looked at from one unit away, or from as far as its coordinates tell apart.
+    const glm::dvec3 center = box.center(), away = glm::abs(center);
+    if (!(distance > 0)) distance = std::max({1.0, 0x1p-20 * away.x, 0x1p-20 * away.y, 0x1p-20 * away.z});
     return Camera::perspective(center + back * (1.02 * distance), center, {0, 1, 0}, vertical_fov_radians);
 }
 

@@ -50,6 +50,7 @@ class PlacedScene final : public BuiltScene {
             facts_.bytes += group.hierarchy.bytes();
             facts_.cells += group.hierarchy.nodes().size();
             facts_.levels = std::max(facts_.levels, group.hierarchy.report().levels);
+            facts_.cells_over_piece_budget += group.hierarchy.report().cells_over_piece_budget;
             facts_.keeps_strict_order = (g == 0 || facts_.keeps_strict_order) && group.hierarchy.keeps_strict_order();
         }
     }

@@ -16,8 +16,17 @@ using farfield::Camera;
 
 constexpr float field_of_view = std::numbers::pi_v<float> / 3;
 
+/// Looks from the eye at the target, with the scene's up on top or, where that is the way it looks, its front.
 Camera camera(glm::vec3 eye, glm::vec3 target, const FrameOfReference& frame) {
-    return Camera::perspective(glm::dvec3(eye), glm::dvec3(target), frame.up, field_of_view);
+    if (eye == target) target = eye - frame.front;
+    const glm::vec3 side = glm::cross(glm::normalize(target - eye), frame.up);
+    const glm::vec3 up = glm::dot(side, side) > 0x1p-40f ? frame.up : frame.front;
+    return Camera::perspective(frame.in_scene(eye), frame.in_scene(target), up, field_of_view);
+}
+
+/// What stands for the size of a scene without one: a unit of its own, unless its coordinates leave no sense to that.
+float size_of_point(const FrameOfReference& frame) {
+    return std::ldexp(1.0f, std::clamp(-frame.exponent, -10, 10));
 }
 
 /// Of a uniform cubic B-spline through a closed ring of control points; t from 0 to the number of points.
@@ -32,23 +41,42 @@ glm::vec3 on_spline(const std::array<glm::vec3, n>& ring, float t) {
            (1.0f / 6);
 }
 
-/// Where things are: the middle of what is placed, or else of the triangles, and its spread.
+farfield::Box in_units(const farfield::Box& bounds, const FrameOfReference& frame) {
+    return {frame.in_units(bounds.lower), frame.in_units(bounds.upper)};
+}
+
+/// Half the largest side of bounds in units.
+float radius_of(const farfield::Box& bounds, const FrameOfReference& frame) {
+    const float half = 0.5f * bounds.largest_side();
+    return half > 0 ? half : size_of_point(frame);
+}
+
+/// Where things are: the middle of what is placed, or else of the triangles, and its spread. Where all are in one
+/// place, as the two triangles of a wall that begin at the same corner, it is the middle of the bounds.
 struct Whereabouts {
     glm::vec2 middle{0};
-    float spread = 1;  ///< root mean square distance from the middle
+    float spread = 0;  ///< root mean square distance from the middle
 
-    Whereabouts(const farfield::scenes::Group& root, const FrameOfReference& frame) {
+    Whereabouts(const Setting& setting, const FrameOfReference& frame) {
+        const farfield::scenes::Group& root = setting.scene.groups.back();
         const auto each = [&](auto&& f) {
-            for (const auto& p : root.placements) f(frame.plan(glm::vec3(p.to_parent[3])));
+            for (const auto& p : root.placements) f(frame.plan(frame.in_units(glm::vec3(p.to_parent[3]))));
             if (!root.placements.empty()) return;
-            for (const auto& t : root.triangles) f(frame.plan(t.vertices[0]));
+            for (const auto& t : root.triangles) f(frame.plan(frame.in_units(t.vertices[0])));
         };
         glm::dvec2 sum(0);
         double count = 0, squares = 0;
-        each([&](glm::vec2 p) { sum += glm::dvec2(p), ++count; });
+        each([&](glm::vec2 p) {
+            sum += glm::dvec2(p);
+            ++count;
+        });
         middle = glm::vec2(sum / count);
         each([&](glm::vec2 p) { squares += double(glm::dot(p - middle, p - middle)); });
-        if (squares > 0) spread = float(std::sqrt(squares / count));
+        spread = float(std::sqrt(squares / count));
+        if (spread > 0) return;
+        const farfield::Box bounds = in_units(setting.bounds, frame);
+        middle = frame.plan(bounds.center());
+        spread = radius_of(bounds, frame);
     }
 };
 
@@ -62,7 +90,7 @@ glm::vec2 direction(float angle) {
 /// Through a wide scene, between its rim and its middle, over its ground.
 std::vector<Camera> fly_over(const Setting& setting, const FrameOfReference& frame, int frames) {
     const Ground ground(setting.scene, frame);
-    const Whereabouts where(setting.scene.groups.back(), frame);
+    const Whereabouts where(setting, frame);
     std::array<glm::vec3, ring_size> ring;
     for (std::size_t i = 0; i < ring_size; ++i) {
         constexpr float radii[] = {4.0f, 1.3f, 0.5f, 1.3f}, heights[] = {0.80f, 0.20f, 0.10f, 0.20f};
@@ -87,9 +115,9 @@ std::vector<Camera> fly_over(const Setting& setting, const FrameOfReference& fra
 
 /// Around a scene that is about as high as wide, now near, now far.
 std::vector<Camera> fly_around(const Setting& setting, const FrameOfReference& frame, int frames) {
-    const glm::vec3 center = setting.bounds.center();
-    const float half = 0.5f * setting.bounds.largest_side();
-    const float radius = half > 0 ? half : 1.0f;
+    const farfield::Box bounds = in_units(setting.bounds, frame);
+    const glm::vec3 center = bounds.center();
+    const float radius = radius_of(bounds, frame);
     std::array<glm::vec3, ring_size> ring;
     for (std::size_t i = 0; i < ring_size; ++i) {
         constexpr float radii[] = {1.3f, 3.0f, 9.0f, 3.0f}, heights[] = {0.1f, 0.5f, 1.5f, 0.0f};
@@ -105,16 +133,16 @@ std::vector<Camera> fly_around(const Setting& setting, const FrameOfReference& f
 
 Camera look_at_center(const Setting& setting, const FrameOfReference& frame, double distance, double angle_degrees) {
     const glm::dvec3 center(setting.bounds.center());
-    const double half = 0.5 * double(setting.bounds.largest_side());
+    const double radius = double(radius_of(in_units(setting.bounds, frame), frame)) * std::ldexp(1.0, frame.exponent);
     const double angle = angle_degrees * std::numbers::pi / 180;
     const glm::dvec3 off = glm::dvec3(frame.right) * std::sin(angle) + glm::dvec3(frame.front) * std::cos(angle);
-    return Camera::perspective(center + off * (distance * (half > 0 ? half : 1.0)), center, frame.up, field_of_view);
+    return Camera::perspective(center + off * (distance * radius), center, frame.up, field_of_view);
 }
 
 }  // namespace
 
 Flight plan_flight(const Setting& setting, const Options& options) {
-    const FrameOfReference frame(setting.scene.up);
+    const FrameOfReference frame(setting.scene.up, setting.bounds);
     Flight flight;
     if (options.distance) {
         flight.cameras.assign(std::size_t(options.frames),
@@ -122,7 +150,7 @@ Flight plan_flight(const Setting& setting, const Options& options) {
         flight.quality_frames = {0};
         return flight;
     }
-    const glm::vec3 size = setting.bounds.size();
+    const glm::vec3 size = in_units(setting.bounds, frame).size();
     const glm::vec3 absolute_up = glm::abs(frame.up);
     const float tall = glm::dot(size, absolute_up), wide = glm::dot(size, (glm::vec3(1) - absolute_up) * 0.5f);
     flight.cameras =

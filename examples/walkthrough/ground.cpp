@@ -12,17 +12,18 @@ Ground::Ground(const farfield::scenes::Scene& scene, const FrameOfReference& fra
     lowest_ = std::numeric_limits<float>::infinity();
     for (const auto& t : triangles) {
         for (const glm::vec3& v : t.vertices) {
-            lower = glm::min(lower, frame.plan(v));
-            upper = glm::max(upper, frame.plan(v));
-            lowest_ = std::min(lowest_, frame.height(v));
+            const glm::vec3 p = frame.in_units(v);
+            lower = glm::min(lower, frame.plan(p));
+            upper = glm::max(upper, frame.plan(p));
+            lowest_ = std::min(lowest_, frame.height(p));
         }
     }
     if (triangles.empty()) {
-        lowest_ = frame.height(farfield::scenes::bounds(scene).lower);
+        lowest_ = frame.height(frame.in_units(farfield::scenes::bounds(scene).lower));
         return;
     }
     lower_ = lower;
-    squares_per_unit_ = float(squares) / glm::max(upper - lower, glm::vec2(std::numeric_limits<float>::min()));
+    squares_per_unit_ = float(squares) / (upper - lower);
     heights_.assign(std::size_t(squares) * squares, lowest_);
     for (const auto& t : triangles) raise(t, frame);
 }
@@ -40,11 +41,16 @@ float Ground::height(glm::vec2 plan) const {
 }
 
 glm::ivec2 Ground::square_of(glm::vec2 plan) const {
-    return glm::ivec2(glm::clamp((plan - lower_) * squares_per_unit_, glm::vec2(0), glm::vec2(squares - 1)));
+    // In a scene without extent along one axis a square is 0 times infinity. A clamp would let that through, and as an
+    // integer it is anything; this comparison takes it for the first square.
+    const auto square = [](float s) { return s > 0 ? int(std::min(s, float(squares - 1))) : 0; };
+    const glm::vec2 at = (plan - lower_) * squares_per_unit_;
+    return {square(at.x), square(at.y)};
 }
 
 void Ground::raise(const farfield::VertexColoredTriangle& triangle, const FrameOfReference& frame) {
-    const auto& [a, b, c] = triangle.vertices;
+    const glm::vec3 a = frame.in_units(triangle.vertices[0]), b = frame.in_units(triangle.vertices[1]),
+                    c = frame.in_units(triangle.vertices[2]);
     const glm::vec2 pa = frame.plan(a), pb = frame.plan(b), pc = frame.plan(c);
     const float height = std::max({frame.height(a), frame.height(b), frame.height(c)});
     const glm::ivec2 first = square_of(glm::min(pa, glm::min(pb, pc)));

@@ -11,7 +11,7 @@
 namespace walkthrough {
 
 /// A coarse grid of the greatest heights of the root's own triangles: of the ground alone where all else is placed on
-/// it, as on the island, else of everything.
+/// it, as on the island, else of everything. Lengths are in the frame's unit.
 class Ground {
   public:
     Ground(const farfield::scenes::Scene& scene, const FrameOfReference& frame);

@@ -1,8 +1,11 @@
 // Flies through a scene, or looks at it from a distance, and draws every frame exactly and with far fields: pictures,
 // differences, and a table of what each variant costs and gains. See --help.
+#include <unistd.h>
+
 #include <exception>
 #include <fstream>
 #include <iostream>
+#include <new>
 
 #include "flight.hpp"
 #include "options.hpp"
@@ -21,6 +24,9 @@ void check_writable(const walkthrough::Options& options) {
         if (error || !std::filesystem::is_directory(*options.out_directory)) {
             throw walkthrough::UsageError("cannot make the directory " + options.out_directory->string());
         }
+        if (::access(options.out_directory->c_str(), W_OK | X_OK) != 0) {
+            throw walkthrough::UsageError("cannot write into the directory " + options.out_directory->string());
+        }
     }
     if (options.json_file && !std::ofstream(*options.json_file, std::ios::app)) {
         throw walkthrough::UsageError("cannot write " + options.json_file->string());
@@ -31,8 +37,16 @@ void walk(const walkthrough::Options& options) {
     using namespace walkthrough;
     const Setting setting = make_setting(options.scene);
     check_writable(options);
-    const Flight flight = plan_flight(setting, options);
-    const std::vector<Result> results = run(setting, options, flight);
+    std::vector<Result> results;
+    try {
+        results = run(setting, options, plan_flight(setting, options));
+    } catch (const UsageError&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        throw UsageError("cannot draw '" + options.scene + "': " + error.what());
+    }
     print_table(std::cout, setting, options, results);
     if (options.json_file) write_json(*options.json_file, setting, options, results);
     if (options.out_directory) {
@@ -40,10 +54,13 @@ void walk(const walkthrough::Options& options) {
                   << farfield::report::difference_gain << " times)\n";
     }
     if (options.json_file) std::cout << "table: " << options.json_file->string() << "\n";
+    if (!std::cout.flush()) throw UsageError("cannot write to the standard output");
 }
 
 }  // namespace
 
+/// Whatever goes wrong ends with one line and status 2: nothing that a file, an option or a machine does is a reason to
+/// end without a word.
 int main(int argc, char** argv) {
     try {
         std::string answer;
@@ -53,11 +70,10 @@ int main(int argc, char** argv) {
             std::cout << answer;
         }
         return 0;
-    } catch (const walkthrough::UsageError& error) {
-        std::cerr << "walkthrough: " << error.what() << "\n";
-        return 2;
+    } catch (const std::bad_alloc&) {
+        std::cerr << "walkthrough: there is not enough memory for this scene, variant and size of image\n";
     } catch (const std::exception& error) {
         std::cerr << "walkthrough: " << error.what() << "\n";
-        return 1;
     }
+    return 2;
 }

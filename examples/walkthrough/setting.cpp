@@ -4,6 +4,8 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <iostream>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -18,8 +20,19 @@ namespace {
 bool has_atoms(const std::filesystem::path& file) {
     std::string extension = file.extension().string();
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-    constexpr std::array<std::string_view, 7> known{".pdb", ".ent", ".xyz", ".dump", ".lammpstrj", ".data", ".lmp"};
+    constexpr std::array<std::string_view, 9> known{".pdb",  ".ent",       ".cif",  ".mmcif", ".xyz",
+                                                    ".dump", ".lammpstrj", ".data", ".lmp"};
     return std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+/// In one line: whoever looks at the pictures is to know what they lack.
+void say_what_is_left_out(const std::string& file, const std::vector<std::string>& notes) {
+    constexpr std::size_t most = 4;
+    if (notes.empty()) return;
+    std::cerr << "walkthrough: " << file << ": ";
+    for (std::size_t i = 0; i < std::min(notes.size(), most); ++i) std::cerr << (i > 0 ? "; " : "") << notes[i];
+    if (notes.size() > most) std::cerr << "; and " << notes.size() - most << " more";
+    std::cerr << '\n';
 }
 
 farfield::scenes::Scene load(const std::string& file, const std::vector<std::string>& names) {
@@ -30,8 +43,12 @@ farfield::scenes::Scene load(const std::string& file, const std::vector<std::str
         throw UsageError("no scene and no file '" + file + "'; known scenes are " + known);
     }
     try {
-        return farfield::scenes::load(file);
-    } catch (const std::runtime_error& e) {
+        farfield::scenes::Scene scene = farfield::scenes::load(file);
+        say_what_is_left_out(file, scene.notes);
+        return scene;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
         throw UsageError(e.what());
     }
 }
@@ -51,6 +68,8 @@ Setting make_setting(const std::string& asked) {
     }
     setting.bounds = farfield::scenes::bounds(setting.scene);
     if (setting.bounds.is_empty()) throw UsageError("nothing to draw in '" + asked + "'");
+    if (!setting.bounds.is_finite())
+        throw UsageError("'" + asked + "' has coordinates that are not finite or too large");
     const bool outdoors = generated && asked != "molecule" && asked != "tree";
     if (outdoors) setting.background = {{126, 173, 224, 255}, {222, 236, 247, 255}};
     setting.culls_back_faces = generated ? asked == "molecule" : has_atoms(asked);

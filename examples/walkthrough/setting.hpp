@@ -12,7 +12,7 @@ namespace walkthrough {
 struct Setting {
     farfield::scenes::Scene scene;
     std::string name;      ///< fit for file names
-    farfield::Box bounds;  ///< not empty
+    farfield::Box bounds;  ///< not empty, finite
     farfield::report::Background background;
     bool culls_back_faces = false;  ///< all surfaces are closed and counter-clockwise from outside
 };

@@ -84,6 +84,11 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
                "hierarchy "
                "are\nhidden, visits for a pixel.\n";
     }
+    for (const Result& r : results) {
+        if (r.build.cells_over_piece_budget == 0) continue;
+        out << "Polygons cross one another so much that " << r.name << " leaves " << r.build.cells_over_piece_budget
+            << " cells uncut, to stay within its memory: they are\nin no strict order.\n";
+    }
     if (!results.empty() && results.front().renderer != options.renderer) {
         out << "Exact is drawn by " << name_of(results.front().renderer) << ", for it is not in the order that "
             << name_of(options.renderer) << " needs.\n";

@@ -38,6 +38,11 @@ struct BuildOptions {
     /// Bytes of nodes, stand-ins and item indices after which no cell is split any more; 0: no limit. Checked between
     /// levels: the result may exceed it by one level.
     std::uint64_t memory_budget_bytes = 0;
+    /// Where the partition cuts: no cell is split any more when there are this many pieces for each polygon and half a
+    /// million more; 0: no limit. Scenes take 2 to 4, but where all polygons cross all others their pieces grow with
+    /// the square: 800 long triangles become 1.6 million. What is left together then is in no order: the report counts
+    /// it, and renderers that need strict order refuse it.
+    std::uint32_t most_pieces_per_polygon = 16;
 };
 
 namespace detail {
@@ -55,7 +60,8 @@ typename H::Data build_data(std::span<const P> primitives, const BuildOptions<H,
     check_options(options.sampler);
     auto data =
         HierarchyBuilder<H, P, Sampler>(primitives, options.partition, options.approximation, options.cost_model,
-                                        options.sampler, options.memory_budget_bytes, control)
+                                        options.sampler,
+                                        {options.memory_budget_bytes, options.most_pieces_per_polygon}, control)
             .build();
     if constexpr (H::approximation_type::facts.stands_in && TellsItsLight<Sampler>) {
         const std::optional<DirectionalLight> light = options.sampler.light;

@@ -42,7 +42,7 @@ struct Split_ {
         : partition(q),
           prices(p),
           triangles(t),
-          splitter(triangles, partition, approximation, prices, budget, control, data) {
+          splitter(triangles, partition, approximation, prices, {.memory_bytes = budget}, control, data) {
         splitter.split();
     }
     Split_(const Split_&) = delete;

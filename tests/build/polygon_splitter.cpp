@@ -30,8 +30,8 @@ struct SplitBsp {
     std::span<const Triangle> triangles;
     PolygonSplitter<PolygonBsp, Exact, TriangleCount, Triangle> splitter;
 
-    explicit SplitBsp(std::span<const Triangle> t, std::uint64_t budget = 0)
-        : triangles(t), splitter(triangles, partition, Exact{}, cost, budget, control, data) {
+    explicit SplitBsp(std::span<const Triangle> t, const BuildBudget& budget = {}, AnyExecutor e = {})
+        : executor(std::move(e)), triangles(t), splitter(triangles, partition, Exact{}, cost, budget, control, data) {
         splitter.split();
     }
     SplitBsp(const SplitBsp&) = delete;
@@ -107,11 +107,63 @@ TEST_CASE("what is split by itself is what would have been split with the rest")
 
 TEST_CASE("a budget ends cutting, and cells that are then out of order are counted") {
     const Triangles triangles = scattered(2000, 752);
-    SplitBsp none(triangles, 1), some(triangles, 100000), all(triangles);
+    SplitBsp none(triangles, {.memory_bytes = 1}), some(triangles, {.memory_bytes = 100000}), all(triangles);
     CHECK(none.splitter.drafts().size() == 1);
     CHECK(none.data.facts.report.cells_over_memory_budget == 1);
     CHECK(none.data.facts.report.cells_out_of_order == 1);
     CHECK(some.splitter.drafts().size() > 1);
     CHECK(some.splitter.drafts().size() < all.splitter.drafts().size());
     CHECK(all.data.facts.report.cells_out_of_order == 0);
+}
+
+namespace {
+
+std::size_t pieces_of(SplitBsp& split) {
+    if (split.data.order.empty()) {
+        for (const auto& draft : split.splitter.drafts()) split.splitter.append_items(draft);
+    }
+    return split.data.order.size();
+}
+
+}  // namespace
+
+TEST_CASE("triangles that all cross one another are cut into no more pieces than allowed, and that is counted") {
+    const Triangles crossing = random_triangles(150, 753, 2.0f);
+    SplitBsp all(crossing), some(crossing, {.pieces_per_polygon = 8, .free_pieces = 100});
+    const std::size_t most = 8 * 150 + 100;
+    CHECK(all.data.facts.report.cells_over_piece_budget == 0);
+    REQUIRE(pieces_of(all) > 2 * most);
+    CHECK(some.data.facts.report.cells_over_piece_budget > 0);
+    CHECK(some.data.facts.report.cells_out_of_order >= some.data.facts.report.cells_over_piece_budget);
+    const std::size_t pieces = pieces_of(some);
+    CHECK(pieces <= most + 150);  // the last cell that was cut
+    CHECK(pieces >= most);
+    // Enough is no limit.
+    SplitBsp enough(crossing, {.pieces_per_polygon = 8, .free_pieces = pieces_of(all)});
+    CHECK(enough.data.facts.report.cells_over_piece_budget == 0);
+    CHECK(pieces_of(enough) == pieces_of(all));
+    CHECK(same_bytes(std::span<const glm::vec3>(all.data.fragments.vertices),
+                     std::span<const glm::vec3>(enough.data.fragments.vertices)));
+}
+
+TEST_CASE("parts that are split by themselves share what pieces there may be, the same on any number of threads") {
+    // A tangle beside much that is calm: its part needs more than its share.
+    Triangles scene = scattered(6000, 754);
+    for (const Triangle& t : random_triangles(80, 755, 0.4f)) {
+        scene.push_back({{t.vertices[0] * 0.1f, t.vertices[1] * 0.1f, t.vertices[2] * 0.1f}, t.rgba});
+    }
+    SplitBsp all(scene);
+    const std::size_t pieces = pieces_of(all);
+    SplitBsp just_enough(scene, {.pieces_per_polygon = 1, .free_pieces = pieces - scene.size() + 1});
+    CHECK(just_enough.data.facts.report.cells_over_piece_budget == 0);
+    CHECK(pieces_of(just_enough) == pieces);
+    SplitBsp serial(scene, {.pieces_per_polygon = 1, .free_pieces = 1000}),
+        parallel(scene, {.pieces_per_polygon = 1, .free_pieces = 1000}, ThreadExecutor(3));
+    CHECK(serial.data.facts.report.cells_over_piece_budget > 0);
+    CHECK(pieces_of(serial) == pieces_of(parallel));
+    CHECK(pieces_of(serial) <= scene.size() + 2000);
+    CHECK(same_bytes(std::span<const std::uint32_t>(serial.data.order),
+                     std::span<const std::uint32_t>(parallel.data.order)));
+    CHECK(same_bytes(std::span<const glm::vec3>(serial.data.fragments.vertices),
+                     std::span<const glm::vec3>(parallel.data.fragments.vertices)));
 }

@@ -6,6 +6,7 @@
 #endif
 #include "farfield/farfield.hpp"
 
+int farfield_in_another_file();  // engines ask for a declaration before each definition
 int farfield_in_another_file() {
     return FARFIELD_VERSION;
 }

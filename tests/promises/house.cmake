@@ -12,7 +12,7 @@ function(may_include room)
   set(rooms ${rooms} "${room}" PARENT_SCOPE)
 endfunction()
 
-set(contracts approximation.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp partition.hpp
+set(contracts approximation.hpp camera.hpp camera_from_matrices.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp partition.hpp
               primitive.hpp renderer.hpp sampler.hpp view view.hpp)
 set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
 set(frame frame ${hierarchy})
@@ -72,6 +72,7 @@ tested_by(coverage/polygons/surface coverage/polygons/color_gradient coverage/po
 tested_by(renderer/coverage_renderer coverage/polygons/far_polygons coverage/polygons/polygon_setup)
 tested_by(coverage/tiler/mask_kernel raster/simd)
 tested_by(frame/selection frame/draw_now)
+tested_by(hierarchy/fingerprint geometry/mixed)
 tested_by(measure/flip measure/flip_colors measure/flip_filters)
 tested_by(merged_viewer merged_viewer/body_walker)
 tested_by(raster/box_footprint raster/box_fronts)
@@ -83,6 +84,7 @@ tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/t
 tested_by(renderer/z_buffer_renderer raster/samples/depth_tested_fill raster/samples/far_deposits
           raster/samples/z_buffer_canvas)
 tested_by(tuning/advise tuning/variants)
+tested_by(view camera)
 tested_by(voxel/voxel_pyramid voxel/voxel_masks)
 
 # --- the check

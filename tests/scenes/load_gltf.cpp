@@ -281,7 +281,7 @@ TEST_CASE("glTF: the default scene alone is drawn, and what nobody refers to is 
     const Scene scene = load(directory.write("test.gltf", text), unlit());
     REQUIRE(triangle_count(scene) == 1);
     CHECK(bounds(scene) == Box{{0, 0, 0}, {1, 1, 0}});
-    CHECK(scene.notes == std::vector<std::string>{"1 scenes beside the default one are not drawn"});
+    CHECK(scene.notes == std::vector<std::string>{"the default one of 2 scenes is drawn"});
     // The other one is broken, and says so.
     replace(R"("scene":1)", R"("scene":0)");
     CHECK(contains(outcome(directory.write("test.gltf", text)), "accessor that does not exist"));
@@ -487,7 +487,7 @@ TEST_CASE("glTF: points and lines are counted, and refused if there is nothing e
     file.primitives = primitive(0) + "," + primitive(1) + "," + primitive(2) + "," + primitive(3);
     CHECK(contains(file.failure(), "points and lines only"));
     file.primitives += "," + primitive(4);
-    CHECK(file.notes() == std::vector<std::string>{"3 points are not drawn", "6 lines are not drawn"});
+    CHECK(file.notes() == std::vector<std::string>{"lines left out: 6", "points left out: 3"});
     CHECK(file.triangles().size() == 1);
 }
 

@@ -20,16 +20,21 @@ class PointGrid {
         cells_[key(coordinate(p.x), coordinate(p.y), coordinate(p.z))].push_back({count_++, p});
     }
 
-    /// Calls `visit(index, point)` for the points within `distance` <= cell, ends included, in a fixed order.
+    /// Calls `visit(index, point)` for the points within `distance` <= cell, ends included, in a fixed order. Of cells
+    /// with more than `most_in_a_cell` points every second, third ... is looked at.
     template <class Visit>
-    void for_each_within(const glm::vec3& p, float distance, Visit&& visit) const {
+    void for_each_within(const glm::vec3& p, float distance, Visit&& visit,
+                         std::size_t most_in_a_cell = ~std::size_t{0}) const {
         const std::int64_t x = coordinate(p.x), y = coordinate(p.y), z = coordinate(p.z);
         for (std::int64_t dz = -1; dz <= 1; ++dz) {
             for (std::int64_t dy = -1; dy <= 1; ++dy) {
                 for (std::int64_t dx = -1; dx <= 1; ++dx) {
                     const auto cell = cells_.find(key(x + dx, y + dy, z + dz));
                     if (cell == cells_.end()) continue;
-                    for (const auto& [index, q] : cell->second) {
+                    const auto& points = cell->second;
+                    const std::size_t step = (points.size() - 1) / most_in_a_cell + 1;
+                    for (std::size_t i = 0; i < points.size(); i += step) {
+                        const auto& [index, q] = points[i];
                         const glm::vec3 d = p - q;
                         if (glm::dot(d, d) <= distance * distance) visit(index, q);
                     }

@@ -1,5 +1,7 @@
 #include "scenes/load/atoms.hpp"
 
+#include <cmath>
+
 #include "scenes/generate/point_grid.hpp"
 #include "scenes/light.hpp"
 
@@ -10,22 +12,30 @@ namespace {
 std::vector<glm::vec3> openings(std::span<const Atom> atoms) {
     float mean_radius = 0.0f;
     for (const Atom& atom : atoms) mean_radius += atom.radius / static_cast<float>(atoms.size());
-    const float reach = 4.0f * mean_radius;
+    if (!(mean_radius > 0.0f)) return std::vector<glm::vec3>(atoms.size(), glm::vec3(0.0f));
+    // Squares of lengths near 1 do not leave single precision, whatever the unit; a power of two rounds nothing.
+    const float unit = std::ldexp(1.0f, -std::ilogb(mean_radius));
+    const float reach = 4.0f * mean_radius * unit;
+    // Where atoms crowd far beyond what radii allow (some are very large, or at one place), a part of them speaks for
+    // all: otherwise the work grows with the square. In crystals a cell has up to 60.
+    constexpr std::size_t most_in_a_cell = 128;
     PointGrid grid(reach);
-    for (const Atom& atom : atoms) grid.add(atom.center);
+    for (const Atom& atom : atoms) grid.add(atom.center * unit);
     std::vector<glm::vec3> result;
     result.reserve(atoms.size());
     for (const Atom& atom : atoms) {
+        const glm::vec3 center = atom.center * unit;
         glm::vec3 sum(0.0f);
         float count = 0.0f;
-        grid.for_each_within(atom.center, reach, [&](std::size_t, const glm::vec3& other) {
-            const glm::vec3 away = atom.center - other;
+        const auto add = [&](std::size_t, const glm::vec3& other) {
+            const glm::vec3 away = center - other;
             const float distance = glm::length(away);
             if (distance > 0.0f) {
                 sum += away / distance;
                 count += 1.0f;
             }
-        });
+        };
+        grid.for_each_within(center, reach, add, most_in_a_cell);
         result.push_back(count > 0.0f ? sum / count : glm::vec3(0.0f));
     }
     return result;

@@ -45,4 +45,8 @@ inline constexpr Element unknown_element{"?", 1.70f, {255, 20, 147}};
 /// Ignores case. Null if there is no such element in the table.
 const Element* find_element(std::string_view symbol);
 
+/// The element whose standard atomic weight this is, rounded as people round it: to 1 in 1000, or to 0.01 if that is
+/// more. Null if there is none; united atoms such as CH2 are none.
+const Element* find_element_by_mass(double daltons);
+
 }  // namespace farfield::scenes

@@ -64,7 +64,7 @@ namespace {
 
 using detail::Loaded;
 
-enum class Format { off, ply, obj, gltf, pdb, xyz, lammps_dump, lammps_data, height_field };
+enum class Format { off, ply, obj, gltf, pdb, mmcif, xyz, lammps_dump, lammps_data, height_field };
 
 std::string lower(std::string text) {
     for (char& c : text) {
@@ -78,12 +78,22 @@ std::filesystem::path unpacked_name(const std::filesystem::path& file) {
     return lower(file.extension().string()) == ".gz" ? file.stem() : file.filename();
 }
 
-constexpr std::pair<std::string_view, Format> extensions[] = {
-    {".off", Format::off},          {".oogl", Format::off},         {".ply", Format::ply},
-    {".obj", Format::obj},          {".gltf", Format::gltf},        {".glb", Format::gltf},
-    {".pdb", Format::pdb},          {".ent", Format::pdb},          {".xyz", Format::xyz},
-    {".dump", Format::lammps_dump}, {".lammpstrj", Format::lammps_dump}, {".data", Format::lammps_data},
-    {".lmp", Format::lammps_data},  {".csv", Format::height_field}};
+constexpr std::pair<std::string_view, Format> extensions[] = {{".off", Format::off},
+                                                              {".oogl", Format::off},
+                                                              {".ply", Format::ply},
+                                                              {".obj", Format::obj},
+                                                              {".gltf", Format::gltf},
+                                                              {".glb", Format::gltf},
+                                                              {".pdb", Format::pdb},
+                                                              {".ent", Format::pdb},
+                                                              {".cif", Format::mmcif},
+                                                              {".mmcif", Format::mmcif},
+                                                              {".xyz", Format::xyz},
+                                                              {".dump", Format::lammps_dump},
+                                                              {".lammpstrj", Format::lammps_dump},
+                                                              {".data", Format::lammps_data},
+                                                              {".lmp", Format::lammps_data},
+                                                              {".csv", Format::height_field}};
 
 std::optional<Format> format_named(std::string_view extension) {
     for (const auto& [name, format] : extensions) {
@@ -114,6 +124,7 @@ std::optional<Format> format_of(std::string_view bytes) {
             const std::string_view keyword = w[0].substr(0, w[0].find_first_of("0123456789"));
             if (w[0] == "ply") return Format::ply;
             if (w[0] == "ITEM:") return Format::lammps_dump;
+            if (w[0].substr(0, 5) == "data_") return Format::mmcif;
             const std::size_t inner = bytes.find_first_not_of(" \t\r\n", bytes.find('{') + 1);
             const bool json = w[0].front() == '{' && inner != std::string_view::npos && bytes[inner] == '"';
             if (json) return Format::gltf;
@@ -129,13 +140,6 @@ std::optional<Format> format_of(std::string_view bytes) {
         }
     }
     return std::nullopt;
-}
-
-Loaded loaded(detail::Triangles triangles) {
-    Loaded result;
-    result.triangles = std::move(triangles);
-    result.lit = true;
-    return result;
 }
 
 Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
@@ -159,13 +163,15 @@ Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
         case Format::gltf:
             return detail::read_gltf(file, options);
         case Format::pdb:
-            return loaded(detail::read_pdb(content, options));
+            return detail::read_pdb(content, options);
+        case Format::mmcif:
+            return detail::read_mmcif(content, options);
         case Format::xyz:
-            return loaded(detail::read_xyz(content, options));
+            return detail::read_xyz(content, options);
         case Format::lammps_dump:
-            return loaded(detail::read_lammps_dump(content, options));
+            return detail::read_lammps_dump(content, options);
         case Format::lammps_data:
-            return loaded(detail::read_lammps_data(content, options));
+            return detail::read_lammps_data(content, options);
         case Format::height_field:
             break;
     }
@@ -195,7 +201,7 @@ Scene load(const std::filesystem::path& file, const LoadOptions& options) {
     } catch (const std::exception& error) {
         throw fail(error.what());
     }
-    if (loaded.triangles.empty()) throw fail(loaded.lit ? "has no atoms" : "has no triangles");
+    if (loaded.triangles.empty()) throw fail("has no triangles");
     if (options.bake_light && !loaded.lit) {
         for (VertexColoredTriangle& triangle : loaded.triangles) detail::bake_light(triangle);
     }

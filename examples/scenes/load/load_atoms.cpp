@@ -1,46 +1,20 @@
-// Molecules and particles as spheres: PDB (wwPDB, "Atomic coordinate entry format 3.3", 2012), XYZ (as XMol
-// has it), and the dump and data files of LAMMPS (manual: "dump", "read_data", "Howto triclinic").
+// Molecules: PDB (wwPDB, "Atomic coordinate entry format 3.3", 2012), PDBx/mmCIF (wwPDB, "PDBx/mmCIF dictionary";
+// syntax: Hall, Allen and Brown 1991, "The crystallographic information file"), and XYZ, plain as XMol has it and
+// extended (ASE and libAtoms, "Extended XYZ").
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 
-#include "scenes/load/atoms.hpp"
-#include "scenes/load/element.hpp"
-#include "scenes/load/load_detail.hpp"
+#include "scenes/load/particles.hpp"
 
 namespace farfield::scenes::detail {
 namespace {
 
-Triangles drawn(const std::vector<Atom>& atoms, const LoadOptions& options) {
-    if (atoms.empty()) return {};
-    int levels = 2;
-    while (levels > 0 && atoms.size() * (std::uint64_t{20} << (2 * levels)) > options.sphere_triangle_budget) {
-        --levels;
-    }
-    Triangles triangles = spheres(atoms, icosphere(levels));
-    if (!options.bake_light) {
-        const std::size_t each = triangles.size() / atoms.size();
-        for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t].rgba.fill(atoms[t / each].color);
-    }
-    return triangles;
-}
-
-/// Particles without a radius: half the edge of the cube that each would have to itself.
-void set_radii(std::vector<Atom>& atoms) {
-    Box box = Box::empty();
-    for (const Atom& atom : atoms) box.add(atom.center);
-    if (box.is_empty()) return;
-    const float least = 0.01f * box.largest_side();
-    const glm::vec3 size = glm::max(box.size(), glm::vec3(least));
-    // The cube root of each side first: the product of three may be too large.
-    const float edge =
-        std::cbrt(size.x) * std::cbrt(size.y) * std::cbrt(size.z) / std::cbrt(static_cast<float>(atoms.size()));
-    for (Atom& atom : atoms) atom.radius = edge > 0 ? 0.5f * edge : 1.0f;
-}
-
-const Element& element_or_unknown(std::string_view symbol) {
-    const Element* element = find_element(symbol);
-    return element ? *element : unknown_element;
+void note_models(std::size_t models, std::size_t atoms_left_out, Particles& particles) {
+    if (atoms_left_out == 0) return;
+    particles.notes.push_back("the first of " + std::to_string(models) +
+                              " models is drawn; atoms of the others left out: " + std::to_string(atoms_left_out));
 }
 
 // ---------------------------------------------------------------- PDB
@@ -50,18 +24,57 @@ std::string_view columns(std::string_view line, std::size_t first, std::size_t l
     return line.size() < first ? std::string_view{} : line.substr(first - 1, last - first + 1);
 }
 
-/// From columns 77-78, or else from the name, whose element is right-justified in its first two columns: " CA
-/// " is an alpha carbon, "CA  " is calcium, "HG21" is a hydrogen.
-const Element& pdb_element(std::string_view line) {
+constexpr bool is_letter(char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+}
+
+/// Amino acids, nucleotides and water: the first letter of an atom's name is its element, whatever the columns are.
+bool is_common_residue(std::string_view name) {
+    static const std::set<std::string_view> known{
+        "ALA", "ARG", "ASN", "ASP", "CYS", "GLN", "GLU", "GLY", "HIS", "ILE", "LEU", "LYS", "MET", "PHE", "PRO",
+        "SER", "THR", "TRP", "TYR", "VAL", "A",   "C",   "G",   "I",   "U",   "DA",  "DC",  "DG",  "DI",  "DT",
+        "DU",  "HOH", "WAT", "HID", "HIE", "HIP", "HSD", "HSE", "HSP", "CYX", "ASH", "GLH", "LYN"};
+    return known.count(name) > 0;
+}
+
+/// Whether the names of a file begin in column 13, as some programs write them, and not in 14 with elements of one
+/// letter: told by a short name there that has one letter only in front, or is an amino acid's or a nucleotide's.
+bool names_are_left_justified(std::string_view text) {
+    Lines lines(text);
+    std::string_view line;
+    while (lines.next(line)) {
+        const std::string_view record = columns(line, 1, 6), name = columns(line, 13, 16);
+        if ((record != "ATOM  " && record != "HETATM") || name.empty() || !is_letter(name[0])) continue;
+        if (name.size() < 2 || trimmed(name).size() == 4) continue;
+        if (!is_letter(name[1]) || is_common_residue(trimmed(columns(line, 18, 20)))) return true;
+    }
+    return false;
+}
+
+/// From columns 77-78, or else from the name, whose element is right-justified in its first two columns: " CA " is an
+/// alpha carbon, "CA  " is calcium, "HG21" is a hydrogen.
+const Element& pdb_element(std::string_view line, bool left_justified) {
     if (const Element* element = find_element(trimmed(columns(line, 77, 78)))) return *element;
     const std::string_view name = columns(line, 13, 16);
-    const auto letter = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); };
+    const auto first = std::find_if(name.begin(), name.end(), is_letter);
+    if (first == name.end()) return unknown_element;
+    const Element& of_first_letter = element_or_unknown({&*first, 1});
+    const std::string_view residue = trimmed(columns(line, 18, 20));
+    if (is_common_residue(residue)) return of_first_letter;
+    if (left_justified) {
+        // An ion bears the name of its residue; of the rest, elements of two letters that are no carbon, hydrogen or
+        // nitrogen with a letter behind it.
+        const std::string_view two = trimmed(name.substr(0, 2));
+        constexpr std::array<std::string_view, 9> safe{"CL", "BR", "SI", "SE", "FE", "ZN", "MG", "MN", "CU"};
+        const bool sure = trimmed(name) == residue || std::find(safe.begin(), safe.end(), two) != safe.end();
+        const Element* element = sure ? find_element(two) : nullptr;
+        return element ? *element : of_first_letter;
+    }
     const bool hydrogen = trimmed(name).size() == 4 && (name[0] == 'H' || name[0] == 'h');
-    if (!hydrogen && letter(name.front())) {
+    if (!hydrogen && is_letter(name.front())) {
         if (const Element* element = find_element(trimmed(name.substr(0, 2)))) return *element;
     }
-    const auto first = std::find_if(name.begin(), name.end(), letter);
-    return first == name.end() ? unknown_element : element_or_unknown({&*first, 1});
+    return of_first_letter;
 }
 
 double pdb_coordinate(const Lines& lines, std::string_view line, std::size_t first) {
@@ -73,267 +86,314 @@ double pdb_coordinate(const Lines& lines, std::string_view line, std::size_t fir
     return *value;
 }
 
-// ---------------------------------------------------------------- LAMMPS
+// ---------------------------------------------------------------- mmCIF
 
-/// The parallelepiped that scaled coordinates are relative to.
-struct Cell {
-    std::array<double, 3> low{}, size{};
-    double xy = 0, xz = 0, yz = 0;
+/// The values of a CIF one after the other.
+class CifTokens {
+  public:
+    explicit CifTokens(std::string_view text) : text_(text) {}
 
-    std::array<double, 3> place(double a, double b, double c) const {
-        return {low[0] + a * size[0] + b * xy + c * xz, low[1] + b * size[1] + c * yz, low[2] + c * size[2]};
+    /// Quoted ones are never names or keywords.
+    struct Token {
+        std::string_view text;
+        bool quoted;
+        bool is(std::string_view keyword) const {
+            return !quoted && text.size() >= keyword.size() &&
+                   std::equal(keyword.begin(), keyword.end(), text.begin(), [](char k, char t) {
+                       return k == (t >= 'A' && t <= 'Z' ? static_cast<char>(t - 'A' + 'a') : t);
+                   });
+        }
+    };
+
+    bool next(Token& token) {
+        for (;;) {
+            while (at_ < text_.size() && is_space(text_[at_])) ++at_;
+            if (at_ == text_.size()) return false;
+            if (text_[at_] != '#') break;
+            at_ = std::min(text_.find_first_of("\r\n", at_), text_.size());
+        }
+        const std::size_t begin = at_;
+        const char c = text_[begin];
+        if (c == ';' && (begin == 0 || text_[begin - 1] == '\n' || text_[begin - 1] == '\r')) {
+            const std::size_t end = std::min(text_.find("\n;", begin), text_.size());
+            at_ = std::min(end + 2, text_.size());
+            token = {text_.substr(begin + 1, end - begin - 1), true};
+            return true;
+        }
+        if (c == '\'' || c == '"') {
+            // A quote within is none unless a blank follows it.
+            for (std::size_t end = begin + 1; end < text_.size() && text_[end] != '\n'; ++end) {
+                if (text_[end] != c || (end + 1 < text_.size() && !is_space(text_[end + 1]))) continue;
+                at_ = end + 1;
+                token = {text_.substr(begin + 1, end - begin - 1), true};
+                return true;
+            }
+        }
+        while (at_ < text_.size() && !is_space(text_[at_])) ++at_;
+        token = {text_.substr(begin, at_ - begin), false};
+        return true;
     }
+
+    std::size_t line() const {
+        const std::string_view before = text_.substr(0, at_);
+        return 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
+    }
+
+  private:
+    std::string_view text_;
+    std::size_t at_ = 0;
 };
 
-template <class T>
-T word_as(const Lines& lines, const std::vector<std::string_view>& words, std::size_t i, std::string_view wanted) {
-    if (i >= words.size()) lines.fail("no " + std::string(wanted));
-    const std::optional<T> value = number<T>(words[i]);
-    if (!value) lines.fail(in_quotes(words[i]) + " where " + std::string(wanted) + " should be");
-    return *value;
-}
-
-Cell read_cell(Lines& lines, bool triclinic) {
-    std::array<std::array<double, 3>, 3> rows{};
-    for (auto& row : rows) {
-        std::string_view line;
-        if (!lines.next(line)) throw std::runtime_error("ends within its box");
-        const auto w = words(line);
-        for (std::size_t i = 0; i < (triclinic ? 3u : 2u); ++i) row[i] = word_as<double>(lines, w, i, "a bound");
-    }
-    Cell cell;
-    cell.xy = rows[0][2];
-    cell.xz = rows[1][2];
-    cell.yz = rows[2][2];
-    // The dump has the bounds of the tilted box, not the box.
-    rows[0][0] -= std::min({0.0, cell.xy, cell.xz, cell.xy + cell.xz});
-    rows[0][1] -= std::max({0.0, cell.xy, cell.xz, cell.xy + cell.xz});
-    rows[1][0] -= std::min(0.0, cell.yz);
-    rows[1][1] -= std::max(0.0, cell.yz);
-    for (std::size_t i = 0; i < 3; ++i) {
-        cell.low[i] = rows[i][0];
-        cell.size[i] = rows[i][1] - rows[i][0];
-    }
-    return cell;
-}
-
-/// Where the values of an atom stand in its line; `none` if they do not.
-struct DumpColumns {
+/// The columns of the loop of atoms that are looked at.
+struct CifColumns {
     static constexpr std::size_t none = ~std::size_t{0};
     std::array<std::size_t, 3> position{none, none, none};
-    bool scaled = false;
-    std::size_t type = none, element = none, radius = none;
+    std::size_t element = none, alternate = none, model = none;
+    std::array<std::size_t, 4> residue{none, none, none, none};
+    std::size_t count = 0;
+
+    void name(std::string_view column) {
+        const std::size_t i = count++;
+        if (column == "Cartn_x") position[0] = i;
+        if (column == "Cartn_y") position[1] = i;
+        if (column == "Cartn_z") position[2] = i;
+        if (column == "type_symbol") element = i;
+        if (column == "label_alt_id") alternate = i;
+        if (column == "pdbx_PDB_model_num") model = i;
+        if (column == "auth_asym_id") residue[0] = i;
+        if (column == "auth_seq_id") residue[1] = i;
+        if (column == "pdbx_PDB_ins_code") residue[2] = i;
+        if (column == "label_seq_id") residue[3] = i;
+    }
 };
 
-DumpColumns dump_columns(const Lines& lines, const std::vector<std::string_view>& names) {
-    DumpColumns columns;
-    const auto find = [&](std::string_view name) {
-        const auto found = std::find(names.begin(), names.end(), name);
-        return found == names.end() ? DumpColumns::none : static_cast<std::size_t>(found - names.begin());
+class CifAtoms {
+  public:
+    explicit CifAtoms(const CifColumns& columns) : columns_(columns) {}
+
+    void add(const std::vector<std::string_view>& row, std::size_t line) {
+        const auto value = [&](std::size_t column) {
+            return column == CifColumns::none ? std::string_view{} : row[column];
+        };
+        const std::string model(value(columns_.model));
+        models_.insert(model);
+        if (first_model_.empty()) first_model_ = model;
+        if (model != first_model_) {
+            ++left_out_;
+            return;
+        }
+        glm::dvec3 p;
+        for (int i = 0; i < 3; ++i) {
+            const std::string_view text = value(columns_.position[static_cast<std::size_t>(i)]);
+            // "1.234(5)" has its uncertainty in the last digit.
+            const std::optional<double> number = detail::number<double>(text.substr(0, text.find('(')));
+            if (!number) {
+                throw std::runtime_error("line " + std::to_string(line) + ": " + in_quotes(text) +
+                                         " where a coordinate should be");
+            }
+            p[i] = *number;
+        }
+        const std::string_view alternate = value(columns_.alternate);
+        if (!alternate.empty() && alternate != "." && alternate != "?") {
+            std::string key;
+            for (const std::size_t column : columns_.residue) key.append(value(column)).push_back(' ');
+            const auto [first, is_new] = alternates_.try_emplace(std::move(key), alternate);
+            if (first->second != alternate) return;
+        }
+        const Element& element = element_or_unknown(value(columns_.element));
+        particles_.all.push_back({p, element.radius, element.color});
+    }
+
+    Particles taken() {
+        note_models(models_.size(), left_out_, particles_);
+        return std::move(particles_);
+    }
+
+  private:
+    CifColumns columns_;
+    Particles particles_;
+    std::string first_model_;
+    std::set<std::string> models_;
+    std::map<std::string, std::string> alternates_;  ///< the first of each residue
+    std::size_t left_out_ = 0;
+};
+
+// ---------------------------------------------------------------- XYZ
+
+/// Where an atom's values stand in its line.
+struct XyzColumns {
+    static constexpr std::size_t none = ~std::size_t{0};
+    std::size_t kind = 0, position = 1, radius = none, count = 4;
+};
+
+/// `Properties=species:S:1:pos:R:3:...` in the comment names the columns; without it they are a symbol and coordinates.
+XyzColumns xyz_columns(const Lines& lines, std::string_view comment) {
+    constexpr std::string_view key = "properties=";
+    const auto same = [](char a, char b) {
+        return a == b || (a >= 'a' && a <= 'z' && b == static_cast<char>(a - 'a' + 'A'));
     };
-    constexpr std::array<std::array<std::string_view, 3>, 4> kinds{
-        {{"x", "y", "z"}, {"xu", "yu", "zu"}, {"xs", "ys", "zs"}, {"xsu", "ysu", "zsu"}}};
-    for (std::size_t k = 0; k < kinds.size(); ++k) {
-        const std::array<std::size_t, 3> found{find(kinds[k][0]), find(kinds[k][1]), find(kinds[k][2])};
-        if (std::find(found.begin(), found.end(), DumpColumns::none) != found.end()) continue;
-        columns.position = found;
-        columns.scaled = k >= 2;
-        columns.type = find("type");
-        columns.element = find("element");
-        columns.radius = find("radius");
-        return columns;
+    const auto found = std::search(comment.begin(), comment.end(), key.begin(), key.end(),
+                                   [&](char text, char k) { return same(k, text); });
+    if (found == comment.end()) return {};
+    std::string_view list = comment.substr(static_cast<std::size_t>(found - comment.begin()) + key.size());
+    if (!list.empty() && (list[0] == '"' || list[0] == '\'')) {
+        list = list.substr(1, list.find(list[0], 1) - 1);
+    } else {
+        list = list.substr(0, list.find_first_of(" \t"));
     }
-    lines.fail("no columns x y z, xu yu zu, xs ys zs or xsu ysu zsu");
+    std::vector<std::string_view> parts;
+    while (!list.empty()) {
+        const std::size_t colon = std::min(list.find(':'), list.size());
+        parts.push_back(list.substr(0, colon));
+        list.remove_prefix(std::min(colon + 1, list.size()));
+    }
+    XyzColumns columns{XyzColumns::none, XyzColumns::none, XyzColumns::none, 0};
+    for (std::size_t i = 0; i + 2 < parts.size(); i += 3) {
+        const std::string_view name = parts[i];
+        const auto wide = number<std::uint64_t>(parts[i + 2]);
+        if (!wide || *wide > 1000) lines.fail("Properties: " + in_quotes(name) + " has not a number of columns");
+        if ((name == "pos" || name == "positions") && *wide == 3) columns.position = columns.count;
+        if (name == "species" || name == "element" || name == "symbol") columns.kind = columns.count;
+        if (columns.kind == XyzColumns::none && (name == "Z" || name == "type")) columns.kind = columns.count;
+        if (name == "radius") columns.radius = columns.count;
+        columns.count += static_cast<std::size_t>(*wide);
+    }
+    if (columns.position == XyzColumns::none) lines.fail("Properties names no columns pos:R:3");
+    return columns;
 }
 
-struct Particles {
-    std::vector<Atom> atoms;
-    bool radii_missing = false;
-};
-
-void read_dump_atoms(Lines& lines, const DumpColumns& columns, const Cell& cell, std::uint64_t count,
-                     Particles& particles) {
-    check_room(count, 6, lines.rest().size() + 1, "atoms");
-    particles.atoms.reserve(static_cast<std::size_t>(count));
-    for (std::uint64_t i = 0; i < count; ++i) {
-        std::string_view line;
-        if (!lines.next(line)) {
-            throw std::runtime_error("ends after " + std::to_string(i) + " of " + std::to_string(count) + " atoms");
+/// Frames after the first, whose atoms are not looked at.
+void note_frames(Lines& lines, Particles& particles) {
+    std::size_t frames = 1;
+    std::string_view line;
+    while (lines.next(line)) {
+        const std::optional<std::uint64_t> count = number<std::uint64_t>(trimmed(line));
+        if (!count) continue;
+        ++frames;
+        for (std::uint64_t i = 0; i <= *count && lines.next(line); ++i) {
         }
-        const auto w = words(line);
-        std::array<double, 3> p{};
-        for (std::size_t k = 0; k < 3; ++k) p[k] = word_as<double>(lines, w, columns.position[k], "a coordinate");
-        if (columns.scaled) p = cell.place(p[0], p[1], p[2]);
-        Atom atom{finite(p[0], p[1], p[2], "atom", static_cast<std::size_t>(i)), 0.0f, uncolored};
-        const Element* element = nullptr;
-        if (columns.element < w.size()) element = find_element(w[columns.element]);
-        if (element) {
-            atom.color = element->color;
-        } else if (columns.type != DumpColumns::none) {
-            atom.color = color_of_kind(word_as<std::int64_t>(lines, w, columns.type, "a type"));
-        }
-        if (columns.radius != DumpColumns::none) {
-            atom.radius = word_as<float>(lines, w, columns.radius, "a radius");
-            if (!std::isfinite(atom.radius) || atom.radius < 0) lines.fail("a radius that is not finite or negative");
-        } else {
-            particles.radii_missing = true;
-        }
-        particles.atoms.push_back(atom);
     }
-}
-
-/// Where type and x stand, by atom style; the manual's table in "read_data".
-struct DataColumns {
-    std::size_t type, x;
-};
-
-std::optional<DataColumns> columns_of_style(std::string_view style) {
-    static const std::map<std::string_view, DataColumns> styles{
-        {"atomic", {1, 2}}, {"charge", {1, 3}},   {"molecular", {2, 3}}, {"bond", {2, 3}},
-        {"angle", {2, 3}},  {"full", {2, 4}},     {"sphere", {1, 4}},    {"ellipsoid", {1, 4}},
-        {"dpd", {1, 3}},    {"electron", {1, 5}}, {"line", {2, 5}},      {"tri", {2, 5}}};
-    const auto found = styles.find(style);
-    return found == styles.end() ? std::nullopt : std::optional(found->second);
-}
-
-/// Without a style in a comment the number of values must tell, three image flags or not.
-DataColumns guessed_columns(const Lines& lines, const std::vector<std::string_view>& w) {
-    switch (w.size()) {
-        case 5:
-        case 8:
-            return *columns_of_style("atomic");
-        case 6:
-        case 9:
-            return *columns_of_style(number<std::int64_t>(w[2]) ? "molecular" : "charge");
-        case 7:
-        case 10:
-            return *columns_of_style("full");
-        default:
-            lines.fail("cannot tell the atom style; write it after the section's name, as in 'Atoms # full'");
-    }
+    if (frames > 1) particles.notes.push_back("the first of " + std::to_string(frames) + " frames is drawn");
 }
 
 }  // namespace
 
-Triangles read_pdb(std::string_view text, const LoadOptions& options) {
+Loaded read_pdb(std::string_view text, const LoadOptions& options) {
     Lines lines(text);
     std::string_view line;
-    std::vector<Atom> atoms;
+    Particles particles;
+    const bool left_justified = names_are_left_justified(text);
+    std::size_t models = 1, left_out = 0;
+    bool between_models = false;
     // The letter of the first alternate of each residue, by chain, number and insertion code.
     std::map<std::string, char, std::less<>> alternates;
     while (lines.next(line)) {
         const std::string_view record = columns(line, 1, 6);
-        if (record == "ENDMDL" && !atoms.empty()) break;
+        if ((record == "ENDMDL" || record == "MODEL ") && !particles.all.empty()) between_models = true;
         if (record != "ATOM  " && record != "HETATM") continue;
+        models += between_models;
+        between_models = false;
+        if (models > 1) {
+            ++left_out;
+            continue;
+        }
         if (line.size() < 54) lines.fail("an atom record cut short before column 54");
-        const double x = pdb_coordinate(lines, line, 31), y = pdb_coordinate(lines, line, 39),
-                     z = pdb_coordinate(lines, line, 47);
+        const glm::dvec3 p(pdb_coordinate(lines, line, 31), pdb_coordinate(lines, line, 39),
+                           pdb_coordinate(lines, line, 47));
         const char alternate = line[16];
         if (alternate != ' ') {
             const auto [first, is_new] = alternates.try_emplace(std::string(columns(line, 22, 27)), alternate);
             if (first->second != alternate) continue;
         }
-        const Element& element = pdb_element(line);
-        atoms.push_back({finite(x, y, z, "line " + std::to_string(lines.number()) + ": atom", atoms.size()),
-                         element.radius, element.color});
+        const Element& element = pdb_element(line, left_justified);
+        particles.all.push_back({p, element.radius, element.color});
     }
-    return drawn(atoms, options);
+    note_models(models, left_out, particles);
+    return drawn(std::move(particles), options);
 }
 
-Triangles read_xyz(std::string_view text, const LoadOptions& options) {
+Loaded read_mmcif(std::string_view text, const LoadOptions& options) {
+    constexpr std::string_view category = "_atom_site.";
+    CifTokens tokens(text);
+    CifTokens::Token token{};
+    bool more = tokens.next(token);
+    while (more) {
+        if (!token.is("loop_")) {
+            if (token.is("_atom_site_fract_x")) break;
+            more = tokens.next(token);
+            continue;
+        }
+        CifColumns columns;
+        for (more = tokens.next(token); more && token.is(category); more = tokens.next(token)) {
+            columns.name(token.text.substr(category.size()));
+        }
+        if (columns.count == 0) continue;
+        for (const std::size_t column : columns.position) {
+            if (column == CifColumns::none) throw std::runtime_error("its atoms have no _atom_site.Cartn_x, y and z");
+        }
+        CifAtoms atoms(columns);
+        std::vector<std::string_view> row;
+        const std::size_t first_line = tokens.line();
+        std::size_t rows = 0;
+        for (; more && (token.quoted || (!token.is("_") && !token.is("loop_") && !token.is("data_")));
+             more = tokens.next(token)) {
+            row.push_back(token.text);
+            if (row.size() < columns.count) continue;
+            atoms.add(row, first_line + rows++);
+            row.clear();
+        }
+        if (!row.empty()) throw std::runtime_error("line " + std::to_string(tokens.line()) + ": ends within an atom");
+        return drawn(atoms.taken(), options);
+    }
+    throw std::runtime_error(trimmed(text).empty() ? "is empty" : "has no loop of _atom_site.Cartn_x, y and z (mmCIF)");
+}
+
+Loaded read_xyz(std::string_view text, const LoadOptions& options) {
     Lines lines(text);
     std::string_view line;
     if (!lines.next(line)) throw std::runtime_error("is empty");
     const std::optional<std::uint64_t> count = number<std::uint64_t>(trimmed(line));
     if (!count) lines.fail(in_quotes(trimmed(line)) + " where the number of atoms should be");
+    line = {};
     if (*count > 0 && !lines.next(line)) throw std::runtime_error("ends before its atoms");  // the comment
-    check_room(*count, 7, lines.rest().size() + 1, "atoms");
+    const XyzColumns columns = xyz_columns(lines, line);
+    check_room(*count, 2 * columns.count - 1, lines.rest().size() + 1, "atoms");
     Particles particles;
+    particles.radii_of_elements = columns.radius == XyzColumns::none;
     for (std::uint64_t i = 0; i < *count; ++i) {
         if (!lines.next(line)) {
             throw std::runtime_error("ends after " + std::to_string(i) + " of " + std::to_string(*count) + " atoms");
         }
         const auto w = words(line);
-        if (w.size() < 4) lines.fail("fewer than a symbol and three coordinates");
-        const glm::vec3 center =
-            finite(word_as<double>(lines, w, 1, "a coordinate"), word_as<double>(lines, w, 2, "a coordinate"),
-                   word_as<double>(lines, w, 3, "a coordinate"), "atom", static_cast<std::size_t>(i));
-        const std::optional<std::int64_t> type = number<std::int64_t>(w[0]);
-        const Element& element = element_or_unknown(w[0]);
-        particles.radii_missing |= type.has_value();
-        particles.atoms.push_back({center, element.radius, type ? color_of_kind(*type) : element.color});
-    }
-    if (particles.radii_missing) set_radii(particles.atoms);
-    return drawn(particles.atoms, options);
-}
-
-Triangles read_lammps_dump(std::string_view text, const LoadOptions& options) {
-    Lines lines(text);
-    std::string_view line;
-    std::optional<std::uint64_t> count;
-    std::optional<Cell> cell;
-    while (lines.next(line)) {
-        const auto w = words(line);
-        if (w.empty()) continue;
-        if (w.size() < 2 || w[0] != "ITEM:") lines.fail(in_quotes(line) + " where an ITEM should be");
-        if (w[1] == "NUMBER") {
-            if (!lines.next(line)) break;
-            count = word_as<std::uint64_t>(lines, words(line), 0, "the number of atoms");
-        } else if (w[1] == "BOX") {
-            const bool triclinic = std::find(w.begin(), w.end(), "xy") != w.end();
-            cell = read_cell(lines, triclinic);
-        } else if (w[1] == "ATOMS") {
-            if (!count) lines.fail("atoms before their number");
-            const DumpColumns columns = dump_columns(lines, {w.begin() + 2, w.end()});
-            if (columns.scaled && !cell) lines.fail("scaled coordinates without a box");
-            Particles particles;
-            read_dump_atoms(lines, columns, cell.value_or(Cell{}), *count, particles);
-            if (particles.radii_missing) set_radii(particles.atoms);
-            return drawn(particles.atoms, options);
-        } else if (!lines.next(line)) {  // TIMESTEP, UNITS, TIME: one line each
-            break;
+        if (w.size() < columns.count) {
+            lines.fail("fewer than " + std::to_string(columns.count) +
+                       " values: a symbol, three coordinates and what "
+                       "Properties names");
         }
-    }
-    throw std::runtime_error(text.empty() ? "is empty" : "ends before its atoms");
-}
-
-Triangles read_lammps_data(std::string_view text, const LoadOptions& options) {
-    Lines lines(text);
-    std::string_view line;
-    std::optional<std::uint64_t> count;
-    std::optional<DataColumns> columns;
-    bool in_atoms = false;
-    std::vector<Atom> atoms;
-    lines.next(line);  // a title, whatever it says
-    while (lines.next(line)) {
-        const std::size_t hash = line.find('#');
-        const auto w = words(line.substr(0, hash));
-        if (w.empty()) continue;
-        if (!in_atoms) {
-            if (w.size() == 2 && w[1] == "atoms") count = word_as<std::uint64_t>(lines, w, 0, "the number of atoms");
-            if (w.size() != 1 || w[0] != "Atoms") continue;
-            if (!count) lines.fail("atoms before their number");
-            check_room(*count, 9, lines.rest().size() + 1, "atoms");
-            if (hash != std::string_view::npos) columns = columns_of_style(trimmed(line.substr(hash + 1)));
-            in_atoms = true;
-            continue;
-        }
-        if (atoms.size() == *count) break;
-        if (!columns) columns = guessed_columns(lines, w);
-        const auto coordinate = [&](std::size_t i) {
-            return word_as<double>(lines, w, columns->x + i, "a coordinate");
+        const auto coordinate = [&](std::size_t k) {
+            return word_as<double>(lines, w, columns.position + k, "a coordinate");
         };
-        const auto type = word_as<std::int64_t>(lines, w, columns->type, "a type");
-        atoms.push_back(
-            {finite(coordinate(0), coordinate(1), coordinate(2), "atom", atoms.size()), 0.0f, color_of_kind(type)});
+        Particle particle{{coordinate(0), coordinate(1), coordinate(2)}, unknown_element.radius, uncolored};
+        if (columns.kind == XyzColumns::none) {
+            particles.radii_missing = true;
+        } else {
+            const std::string_view kind = w[columns.kind];
+            const std::optional<std::int64_t> type = number<std::int64_t>(kind);
+            const Element& element = element_or_unknown(kind);
+            particles.radii_missing |= type.has_value();
+            particle.radius = element.radius;
+            particle.color = type ? color_of_kind(*type) : element.color;
+        }
+        if (columns.radius != XyzColumns::none) {
+            particle.radius = word_as<float>(lines, w, columns.radius, "a radius");
+            if (!std::isfinite(particle.radius) || particle.radius < 0)
+                lines.fail("a radius that is not finite or negative");
+        }
+        particles.all.push_back(particle);
     }
-    if (!in_atoms) throw std::runtime_error(text.empty() ? "is empty" : "has no section Atoms");
-    if (atoms.size() < *count) {
-        throw std::runtime_error("ends after " + std::to_string(atoms.size()) + " of " + std::to_string(*count) +
-                                 " atoms");
-    }
-    set_radii(atoms);
-    return drawn(atoms, options);
+    if (columns.radius != XyzColumns::none) particles.radii_missing = false;
+    note_frames(lines, particles);
+    return drawn(std::move(particles), options);
 }
 
 }  // namespace farfield::scenes::detail

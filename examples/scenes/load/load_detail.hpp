@@ -23,18 +23,21 @@ inline constexpr Rgba8 uncolored{204, 204, 204, 255};
 /// Unpacked, if it is packed by gzip.
 std::string read_file(const std::filesystem::path& file);
 
-/// Vertices are checked to be finite by the readers themselves, who know their index. Those that take a folder open files
-/// that lie in it.
+/// Vertices are checked to be finite by the readers themselves, who know their index. Those that take a folder open
+/// files that lie in it.
 Loaded read_off(std::string_view bytes, const std::filesystem::path& folder);
 Loaded read_ply(std::string_view bytes);
 Loaded read_obj(std::string_view text, const std::filesystem::path& folder);
 Loaded read_height_field(std::string_view text);
+/// More than one number between separators, as the lines of a height field are.
+bool is_row_of_numbers(std::string_view line);
 /// Opens files that lie beside it.
 Loaded read_gltf(const std::filesystem::path& file, const LoadOptions& options);
-Triangles read_pdb(std::string_view text, const LoadOptions& options);
-Triangles read_xyz(std::string_view text, const LoadOptions& options);
-Triangles read_lammps_dump(std::string_view text, const LoadOptions& options);
-Triangles read_lammps_data(std::string_view text, const LoadOptions& options);
+Loaded read_pdb(std::string_view text, const LoadOptions& options);
+Loaded read_mmcif(std::string_view text, const LoadOptions& options);
+Loaded read_xyz(std::string_view text, const LoadOptions& options);
+Loaded read_lammps_dump(std::string_view text, const LoadOptions& options);
+Loaded read_lammps_data(std::string_view text, const LoadOptions& options);
 
 /// Multiplies the colors by the light that falls on the triangle; keeps alpha.
 void bake_light(VertexColoredTriangle& triangle);

@@ -487,8 +487,8 @@ class Collector {
         Loaded loaded = in_single_precision(mesh_);
         put_light(loaded.triangles, options);
         loaded.lit = true;
-        if (meshes_.points() > 0) notes_.insert(std::to_string(meshes_.points()) + " points are not drawn");
-        if (meshes_.lines() > 0) notes_.insert(std::to_string(meshes_.lines()) + " lines are not drawn");
+        if (meshes_.points() > 0) notes_.insert("points left out: " + std::to_string(meshes_.points()));
+        if (meshes_.lines() > 0) notes_.insert("lines left out: " + std::to_string(meshes_.lines()));
         loaded.notes.assign(notes_.begin(), notes_.end());
         return loaded;
     }
@@ -500,7 +500,7 @@ class Collector {
         const auto named = file_.item(file_.json(), "scene", "scenes", "the file");
         const GltfItem scene = named ? *named : file_.item(0, "scenes", "the file");
         if (scenes > 1) {
-            notes_.insert(std::to_string(scenes - 1) + " scenes beside the default one are not drawn");
+            notes_.insert("the default one of " + std::to_string(scenes) + " scenes is drawn");
         }
         std::vector<std::size_t> result;
         std::set<std::size_t> seen;

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "scenes/load/load_detail.hpp"
+#include "scenes/load/polygon.hpp"
 
 namespace farfield::scenes::detail {
 namespace {
@@ -172,29 +173,47 @@ class Body {
     Header::Format format_;
 };
 
-/// Where the channels are, and what their types make of them.
-struct ColorColumns {
-    std::array<int, 3> columns;
-    std::array<double, 3> scales{};
+/// A color as written, until it is known whether the numbers of its kind go to 1 or to 255.
+using RawColor = std::array<float, 3>;
 
+/// Where the channels are. Whole numbers have the range of their type: 255, or 65535 for 16 bits without a sign; the
+/// format has no other rule, and signed or longer types hold bytes where they occur at all. Others go to 1, or to 255
+/// if any of the element's does not keep to that.
+class ColorColumns {
+  public:
     explicit ColorColumns(const Element& element)
-        : columns{element.index_of({"red", "r", "diffuse_red"}), element.index_of({"green", "g", "diffuse_green"}),
-                  element.index_of({"blue", "b", "diffuse_blue"})} {
-        for (std::size_t i = 0; i < 3; ++i) {
-            if (!present()) return;
-            const Type type = element.properties[static_cast<std::size_t>(columns[i])].type;
-            scales[i] = type == Type::float32 || type == Type::float64 ? 1.0
-                        : type == Type::uint16                         ? 1.0 / 65535
-                                                                       : 1.0 / 255;
+        : columns_{element.index_of({"red", "r", "diffuse_red"}), element.index_of({"green", "g", "diffuse_green"}),
+                   element.index_of({"blue", "b", "diffuse_blue"})} {
+        for (const int column : columns_) {
+            if (column < 0 || element.properties[static_cast<std::size_t>(column)].count_type) return;
         }
+        present_ = true;
+        const Type type = element.properties[static_cast<std::size_t>(columns_[0])].type;
+        fractions_ = type == Type::float32 || type == Type::float64;
+        scale_ = fractions_ ? 1.0f : type == Type::uint16 ? 1.0f / 65535 : 1.0f / 255;
     }
-    bool present() const { return columns[0] >= 0 && columns[1] >= 0 && columns[2] >= 0; }
-    Rgba8 color(const std::vector<double>& values) const {
-        const auto channel = [&](std::size_t i) {
-            return static_cast<float>(values[static_cast<std::size_t>(columns[i])] * scales[i]);
-        };
-        return to_rgba8({channel(0), channel(1), channel(2), 1.0f});
+
+    bool present() const { return present_; }
+
+    RawColor color(const std::vector<double>& values) {
+        RawColor result;
+        for (std::size_t i = 0; i < 3; ++i) {
+            result[i] = static_cast<float>(values[static_cast<std::size_t>(columns_[i])]);
+            // The largest of a rounding above 1 are fractions still.
+            if (fractions_ && result[i] > 1.001f) scale_ = 1.0f / 255;
+        }
+        return result;
     }
+
+    /// After the last color has been read.
+    Rgba8 resolved(const RawColor& color) const {
+        return to_rgba8({color[0] * scale_, color[1] * scale_, color[2] * scale_, 1.0f});
+    }
+
+  private:
+    std::array<int, 3> columns_;
+    bool present_ = false, fractions_ = false;
+    float scale_ = 1.0f;
 };
 
 /// One value a property; of the property `kept_list`, the list itself.
@@ -224,82 +243,197 @@ void read_row(Body& body, const Element& element, std::uint64_t row, int kept_li
 }
 
 struct Vertices {
-    std::vector<glm::vec3> positions;
-    std::vector<Rgba8> colors;
+    std::vector<glm::dvec3> positions;
+    std::vector<Rgba8> colors;  // empty if there are none
 };
 
 void read_vertices(Body& body, const Element& element, Vertices& vertices) {
     const int x = element.index_of({"x"}), y = element.index_of({"y"}), z = element.index_of({"z"});
     if (x < 0 || y < 0 || z < 0) throw std::runtime_error("vertices have no x, y, z");
-    const ColorColumns colors(element);
+    ColorColumns columns(element);
     std::vector<double> values, unused;
+    std::vector<RawColor> colors;
     vertices.positions.reserve(static_cast<std::size_t>(element.count));
     for (std::uint64_t row = 0; row < element.count; ++row) {
         read_row(body, element, row, -1, values, unused);
-        vertices.positions.push_back(finite(values[static_cast<std::size_t>(x)], values[static_cast<std::size_t>(y)],
-                                            values[static_cast<std::size_t>(z)], "vertex",
-                                            static_cast<std::size_t>(row)));
-        if (colors.present()) vertices.colors.push_back(colors.color(values));
+        const glm::dvec3 p(values[static_cast<std::size_t>(x)], values[static_cast<std::size_t>(y)],
+                           values[static_cast<std::size_t>(z)]);
+        vertices.positions.push_back(finite(p, "vertex", static_cast<std::size_t>(row)));
+        if (columns.present()) colors.push_back(columns.color(values));
     }
+    for (const RawColor& color : colors) vertices.colors.push_back(columns.resolved(color));
 }
 
-void read_faces(Body& body, const Element& element, const Vertices& vertices, Triangles& triangles) {
-    const int indices = element.index_of({"vertex_indices", "vertex_index"});
-    if (indices < 0 || !element.properties[static_cast<std::size_t>(indices)].count_type) {
-        throw std::runtime_error("faces have no list vertex_indices");
+/// What a list of vertices stands for.
+enum class Shape { polygon, strip, fan };
+
+/// The list that names the vertices: as most call it, or the only list of whole numbers.
+int vertex_list(const Element& element) {
+    const int named = element.index_of({"vertex_indices", "vertex_index", "vertex_indexes", "vertices", "indices"});
+    if (named >= 0 && element.properties[static_cast<std::size_t>(named)].count_type) return named;
+    int only = -1;
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        const Property& property = element.properties[p];
+        if (!property.count_type || property.type == Type::float32 || property.type == Type::float64) continue;
+        if (only >= 0) return -1;
+        only = static_cast<int>(p);
     }
-    const ColorColumns colors(element);
-    std::vector<double> values, polygon;
-    for (std::uint64_t row = 0; row < element.count; ++row) {
-        polygon.clear();
-        read_row(body, element, row, indices, values, polygon);
-        for (const double index : polygon) {
-            if (!(index >= 0) || index >= static_cast<double>(vertices.positions.size())) {
-                throw std::runtime_error("face " + std::to_string(row) + " names a vertex out of range (" +
-                                         std::to_string(static_cast<long double>(index)) + " of " +
-                                         std::to_string(vertices.positions.size()) + ")");
+    return only;
+}
+
+std::optional<Shape> shape_of(const Element& element) {
+    const std::string_view name = element.name;
+    if (name == "face" || name == "faces" || name == "polygon" || name == "triangle") return Shape::polygon;
+    if (name == "tristrips" || name == "tristrip" || name == "strip" || name == "strips") return Shape::strip;
+    if (name == "trifans" || name == "trifan" || name == "fan" || name == "fans") return Shape::fan;
+    return std::nullopt;
+}
+
+class FaceReader {
+  public:
+    FaceReader(const Vertices& vertices, std::vector<MeshTriangle>& triangles)
+        : vertices_(vertices), triangles_(triangles) {}
+
+    void read(Body& body, const Element& element, Shape shape) {
+        const int list = vertex_list(element);
+        if (list < 0) throw std::runtime_error(std::string(element.name) + "s have no list vertex_indices");
+        ColorColumns columns(element);
+        std::vector<double> values;
+        std::vector<RawColor> colors;
+        const std::size_t first = triangles_.size();
+        for (std::uint64_t row = 0; row < element.count; ++row) {
+            list_.clear();
+            read_row(body, element, row, list, values, list_);
+            switch (shape) {
+                case Shape::polygon:
+                    polygon(element, row);
+                    break;
+                case Shape::strip:
+                    strips(element, row);
+                    break;
+                case Shape::fan:
+                    fans(element, row);
+                    break;
             }
+            if (!columns.present()) continue;
+            colors.resize(triangles_.size() - first, columns.color(values));
         }
-        for (std::size_t i = 2; i < polygon.size(); ++i) {
-            VertexColoredTriangle& triangle = triangles.emplace_back();
-            const std::array<double, 3> corners{polygon[0], polygon[i - 1], polygon[i]};
-            for (std::size_t k = 0; k < 3; ++k) {
-                const auto v = static_cast<std::size_t>(corners[k]);
-                triangle.vertices[k] = vertices.positions[v];
-                triangle.rgba[k] = vertices.colors.empty() ? uncolored : vertices.colors[v];
+        for (std::size_t i = 0; i < colors.size(); ++i) triangles_[first + i].colors.fill(columns.resolved(colors[i]));
+    }
+
+  private:
+    std::uint32_t vertex(const Element& element, std::uint64_t row, double index) const {
+        if (!(index >= 0) || index >= static_cast<double>(vertices_.positions.size())) {
+            throw std::runtime_error(std::string(element.name) + ' ' + std::to_string(row) +
+                                     " names a vertex out of range (" + in_digits(index) + " of " +
+                                     std::to_string(vertices_.positions.size()) + ")");
+        }
+        return static_cast<std::uint32_t>(index);
+    }
+
+    static std::string in_digits(double index) {
+        std::string text = std::to_string(static_cast<long double>(index));
+        return text.substr(0, text.find('.'));
+    }
+
+    void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        MeshTriangle& triangle = triangles_.emplace_back(MeshTriangle{{a, b, c}, {uncolored, uncolored, uncolored}});
+        if (vertices_.colors.empty()) return;
+        for (std::size_t k = 0; k < 3; ++k) triangle.colors[k] = vertices_.colors[triangle.corners[k]];
+    }
+
+    void polygon(const Element& element, std::uint64_t row) {
+        polygon_.clear();
+        run_.clear();
+        for (const double index : list_) {
+            run_.push_back(vertex(element, row, index));
+            polygon_.push_back(vertices_.positions[run_.back()]);
+        }
+        for (const auto& [a, b, c] : triangulator_(polygon_)) add(run_[a], run_[b], run_[c]);
+    }
+
+    /// A negative index begins anew. Of a strip every other triangle is turned round, so that all face the same way;
+    /// one that names a vertex twice only leads to the next.
+    template <class F>
+    void runs(const Element& element, std::uint64_t row, F&& triangle) {
+        run_.clear();
+        for (const double index : list_) {
+            if (index < 0) {
+                run_.clear();
+                continue;
             }
-            if (colors.present()) triangle.rgba.fill(colors.color(values));
+            run_.push_back(vertex(element, row, index));
+            if (run_.size() < 3) continue;
+            const auto [a, b, c] = triangle(run_);
+            if (a != b && b != c && c != a) add(a, b, c);
         }
     }
+
+    void strips(const Element& element, std::uint64_t row) {
+        runs(element, row, [](const std::vector<std::uint32_t>& run) {
+            const std::size_t n = run.size();
+            const bool turned = n % 2 == 0;
+            return std::array{run[turned ? n - 2 : n - 3], run[turned ? n - 3 : n - 2], run[n - 1]};
+        });
+    }
+
+    void fans(const Element& element, std::uint64_t row) {
+        runs(element, row, [](const std::vector<std::uint32_t>& run) {
+            return std::array{run[0], run[run.size() - 2], run[run.size() - 1]};
+        });
+    }
+
+    const Vertices& vertices_;
+    std::vector<MeshTriangle>& triangles_;
+    std::vector<double> list_;
+    std::vector<std::uint32_t> run_;
+    std::vector<glm::dvec3> polygon_;
+    Triangulator triangulator_;
+};
+
+void skip_rows(Body& body, const Element& element) {
+    std::vector<double> values, unused;
+    for (std::uint64_t row = 0; row < element.count; ++row) read_row(body, element, row, -1, values, unused);
 }
 
 }  // namespace
 
-Triangles read_ply(std::string_view bytes) {
+Loaded read_ply(std::string_view bytes) {
     Lines lines(bytes);
     const Header header = read_header(lines);
-    Body body(bytes, lines.rest(), header.format);
+    std::string_view rest = lines.rest();
+    // In a file whose lines end in CR alone the byte after the header's last may be LF and belong to the first number.
+    const std::size_t first_end = bytes.find_first_of("\r\n"), begin = bytes.size() - rest.size();
+    if (bytes[first_end] == '\r' && bytes.substr(first_end, 2) != "\r\n" && bytes.substr(begin - 2, 2) == "\r\n") {
+        rest = bytes.substr(begin - 1);
+    }
+    Body body(bytes, rest, header.format);
     Vertices vertices;
-    Triangles triangles;
+    Mesh mesh;
     bool seen_vertices = false;
     for (const Element& element : header.elements) {
         std::uint64_t least = 0;
         for (const Property& p : element.properties) least += body.least_bytes(p.count_type.value_or(p.type));
         check_room(element.count, least, body.bytes_left() + 1, element.name);
-        if (element.name == "vertex") {
+        if (least == 0) continue;
+        const std::optional<Shape> shape = shape_of(element);
+        if (element.name == "vertex" || element.name == "vertices") {
+            if (element.count > std::uint32_t(-1)) throw std::runtime_error("more than 4,294,967,295 vertices");
             read_vertices(body, element, vertices);
             seen_vertices = true;
-        } else if (element.name == "face") {
+        } else if (shape && element.count > 0) {
             if (!seen_vertices) throw std::runtime_error("faces come before vertices");
-            read_faces(body, element, vertices, triangles);
-        } else if (least > 0) {
-            std::vector<double> values, unused;
-            for (std::uint64_t row = 0; row < element.count; ++row) {
-                read_row(body, element, row, -1, values, unused);
-            }
+            FaceReader(vertices, mesh.triangles).read(body, element, *shape);
+        } else if (element.count > 0 && element.name != "range_grid" &&
+                   element.index_of({"vertex_indices", "vertex_index"}) >= 0) {
+            throw std::runtime_error("what an element " + in_quotes(element.name) +
+                                     " makes of its vertices is not known");
+        } else {
+            skip_rows(body, element);
         }
     }
-    return triangles;
+    mesh.positions = std::move(vertices.positions);
+    return in_single_precision(mesh);
 }
 
 }  // namespace farfield::scenes::detail

@@ -136,18 +136,20 @@ struct OpacityTensor {
         const glm::vec2 size = appearance.rectangle(center, view, area);
         const float part = area / (size.x * size.y);
         const AreaLaw law = appearance.shape.law;
-        const float gain = law != AreaLaw::coherent ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
+        const bool gains = law == AreaLaw::coherent && appearance.reaches_across(cell);
+        const float gain = !gains ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
         const glm::vec3 rgb = seen.rgb + 0.5f;
         sink(Splat{center, size * tensor_unit(cell), std::min(gain * part, 1.0f),
                    Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});
     }
 
-    /// Three rectangles that cross, each as opaque as the contents are along its normal. Turned with an instance, their
-    /// tensors add up as all others do.
+    /// Three rectangles that cross, as opaque as the contents are along their normals. Turned with an instance, their
+    /// tensors add up as all others do, and masks see of them what they would see of the contents.
     template <class Sink>
     void polygons(const stand_in_data& data, const Cell& cell, Sink&& sink) const {
         const TensorAppearance appearance = appearance_of(data);
-        for (int axis = 0; axis < 3; ++axis) emit_polygon(appearance.crossing_face(cell, axis, true), sink);
+        const float gain = appearance.gain_of_crossing_faces();
+        for (int axis = 0; axis < 3; ++axis) emit_polygon(appearance.crossing_face(cell, axis, true, gain), sink);
     }
 
   private:

@@ -30,12 +30,12 @@ class CellSplitter {
     static constexpr bool items_are_shared = agreed_assignment<Partition_, A> == Assignment::shared;
 
     CellSplitter(std::span<const P> primitives, const Partition_& partition, const A& approximation, const C& cost,
-                 std::uint64_t memory_budget_bytes, const BuildControl& control, HierarchyData<Partition_, A>& data)
+                 const BuildBudget& budget, const BuildControl& control, HierarchyData<Partition_, A>& data)
         : primitives_(primitives),
           partition_(partition),
           approximation_(approximation),
           cost_(cost),
-          memory_budget_bytes_(memory_budget_bytes),
+          memory_budget_bytes_(budget.memory_bytes),
           control_(control),
           data_(data) {}
 

@@ -35,18 +35,18 @@ class HierarchyBuilder {
     using Data = HierarchyData<Partition_, A>;
 
     HierarchyBuilder(std::span<const P> primitives, const Partition_& partition, const A& approximation, const C& cost,
-                     const Sampler& sampler, std::uint64_t memory_budget_bytes, const BuildControl& control)
+                     const Sampler& sampler, const BuildBudget& budget, const BuildControl& control)
         : primitives_(primitives),
           partition_(partition),
           approximation_(approximation),
           cost_(cost),
           sampler_(sampler),
-          memory_budget_bytes_(memory_budget_bytes),
+          budget_(budget),
           control_(control) {}
 
     Data build() {
         {
-            Splitter splitter(primitives_, partition_, approximation_, cost_, memory_budget_bytes_, control_, data_);
+            Splitter splitter(primitives_, partition_, approximation_, cost_, budget_, control_, data_);
             splitter.split();
             nodes_ = std::move(splitter.drafts());
             order_depth_first(splitter);
@@ -260,7 +260,7 @@ class HierarchyBuilder {
     const A& approximation_;
     const C& cost_;
     const Sampler& sampler_;
-    std::uint64_t memory_budget_bytes_;
+    BuildBudget budget_;
     const BuildControl& control_;
 
     Data data_;

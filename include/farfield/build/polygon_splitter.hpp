@@ -30,11 +30,11 @@ class PolygonSplitter {
     using Draft = typename Branch::Draft;
 
     PolygonSplitter(std::span<const P> primitives, const Partition_& partition, const A&, const C& cost,
-                    std::uint64_t memory_budget_bytes, const BuildControl& control, HierarchyData<Partition_, A>& data)
+                    const BuildBudget& budget, const BuildControl& control, HierarchyData<Partition_, A>& data)
         : primitives_(primitives),
           partition_(partition),
           cost_(cost),
-          memory_budget_bytes_(memory_budget_bytes),
+          budget_(budget),
           control_(control),
           data_(data) {}
 
@@ -43,26 +43,23 @@ class PolygonSplitter {
         take_polygons(intake);
         const std::vector<SupportingPlane> planes = std::move(intake.planes);
         Branch top(partition_, planes);
-        top.start(data_.facts.root, std::move(intake.items), std::move(intake.corners));
+        const std::size_t polygons = intake.items.size();
+        const std::uint64_t most_pieces =
+            budget_.pieces_per_polygon == 0
+                ? Branch::Budget::unlimited
+                : budget_.free_pieces + polygons * std::uint64_t(budget_.pieces_per_polygon);
         const typename Branch::Budget budget{
-            memory_budget_bytes_,
+            most_pieces, budget_.memory_bytes,
             sizeof(Node) + stored_size<typename Partition_::node_data> + stored_size<typename A::stand_in_data>,
             sizeof(std::uint32_t)};
-        // With a budget all levels are compared with it, one by one.
-        top.grow(budget.limit != 0 ? 0 : small_branch, budget,
+        top.start(data_.facts.root, std::move(intake.items), std::move(intake.corners));
+        // With a budget of memory all levels are compared with it, one by one. A single part is not put off either:
+        // it would be silent until it ends.
+        const bool puts_off = budget.bytes == 0 && polygons > small_branch;
+        top.grow(puts_off ? small_branch : 0, budget,
                  [&](std::size_t done, std::size_t total) { control_.report(BuildPhase::splitting, done, total); });
         std::vector<Branch> below(top.deferred_leaves.size(), Branch(partition_, planes));
-        std::size_t done = top.kept.size() - top.deferred_items;
-        control_.run_in_slices(
-            below.size(),
-            [&](std::size_t i) {
-                below[i].start(top.drafts[top.deferred_leaves[i]], top);
-                below[i].grow(0, {}, [](std::size_t, std::size_t) {});
-            },
-            [&](std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i) done += top.drafts[top.deferred_leaves[i]].count;
-                control_.report(BuildPhase::splitting, done, top.kept.size());
-            });
+        grow_below(top, below, most_pieces, planes);
         put_together(std::move(top), below);
     }
 
@@ -110,6 +107,41 @@ class PolygonSplitter {
         data_.fragments.first_vertex.push_back(0);
     }
 
+    /// Each part may have its share of the pieces that are left, so that all can be split at once. Those that it is too
+    /// small for are then split again, one by one, with all that the others have left over.
+    void grow_below(const Branch& top, std::vector<Branch>& below, std::uint64_t most_pieces,
+                    std::span<const SupportingPlane> planes) {
+        const auto leaf = [&](std::size_t i) -> const Draft& { return top.drafts[top.deferred_leaves[i]]; };
+        const auto left = [&](std::uint64_t pieces) { return most_pieces > pieces ? most_pieces - pieces : 0; };
+        const double share = double(left(top.kept.size())) / double(std::max<std::size_t>(top.deferred_items, 1));
+        std::size_t done = top.kept.size() - top.deferred_items;
+        std::uint64_t pieces = done;
+        control_.run_in_slices(
+            below.size(),
+            [&](std::size_t i) {
+                below[i].start(leaf(i), top);
+                const double most = std::min((1 + share) * double(leaf(i).count), 0x1p62);
+                below[i].grow(0, {.pieces = std::uint64_t(most)}, [](std::size_t, std::size_t) {});
+            },
+            [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    done += leaf(i).count;
+                    pieces += below[i].kept.size();
+                }
+                control_.report(BuildPhase::splitting, done, top.kept.size());
+            });
+        for (std::size_t i = 0; i < below.size() && left(pieces) != 0; ++i) {
+            if (below[i].report.cells_over_piece_budget == 0) continue;
+            pieces -= below[i].kept.size();
+            below[i] = Branch(partition_, planes);
+            below[i].start(leaf(i), top);
+            below[i].grow(0, {.pieces = left(pieces)}, [&, level = 0](std::size_t, std::size_t) mutable {
+                if (++level % 16 == 0) control_.report(BuildPhase::splitting, done, top.kept.size());
+            });
+            pieces += below[i].kept.size();
+        }
+    }
+
     void put_together(Branch&& top, std::span<const Branch> below) {
         drafts_ = std::move(top.drafts);
         kept_ = std::move(top.kept);
@@ -150,13 +182,14 @@ class PolygonSplitter {
         data_.facts.report.cells_at_depth_limit += r.cells_at_depth_limit;
         data_.facts.report.cells_that_cannot_be_told_apart += r.cells_that_cannot_be_told_apart;
         data_.facts.report.cells_over_memory_budget += r.cells_over_memory_budget;
+        data_.facts.report.cells_over_piece_budget += r.cells_over_piece_budget;
         data_.facts.report.cells_out_of_order += r.cells_out_of_order;
     }
 
     std::span<const P> primitives_;
     const Partition_& partition_;
     const C& cost_;
-    std::uint64_t memory_budget_bytes_;
+    BuildBudget budget_;
     const BuildControl& control_;
     HierarchyData<Partition_, A>& data_;
 

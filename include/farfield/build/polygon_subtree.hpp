@@ -22,9 +22,12 @@ template <Partition Partition_>
 class PolygonSubtree {
   public:
     using Draft = BuildNode<typename Partition_::node_data>;
-    /// Bytes after which no cell is split any more, and those of a node and of an item. A limit of 0 is none.
+    /// What there may be before no cell is split any more.
     struct Budget {
-        std::uint64_t limit = 0, node = 0, item = 0;
+        static constexpr std::uint64_t unlimited = ~std::uint64_t(0);
+        std::uint64_t pieces = unlimited;
+        std::uint64_t bytes = 0;           ///< looked at between levels; 0: no limit
+        std::uint64_t node = 0, item = 0;  ///< bytes of one
     };
 
     std::vector<Draft> drafts;                   ///< parents before children
@@ -62,14 +65,15 @@ class PolygonSubtree {
         for (std::size_t begin = 0; begin < drafts.size();) {
             const std::size_t end = drafts.size();
             const bool is_spent =
-                budget.limit != 0 && end * budget.node + (kept.size() + items_.size()) * budget.item > budget.limit;
+                budget.bytes != 0 && end * budget.node + (kept.size() + items_.size()) * budget.item > budget.bytes;
             if (corners.size() > 0xf0000000u || kept.size() + items_.size() > 0xf0000000u || end > 0xf0000000u) {
                 detail::fail<std::length_error>("farfield: the hierarchy would exceed 2^32 nodes, items or vertices");
             }
             next_.clear();
             for (std::size_t n = begin; n < end; ++n) {
                 if (drafts[n].count > small_count) {
-                    divide(n, is_spent);
+                    const std::size_t pieces = kept.size() + next_.size() + items_.size() - drafts[n].first;
+                    divide(n, is_spent, pieces >= budget.pieces);
                 } else {
                     deferred_leaves.push_back(std::uint32_t(n));
                     deferred_items += drafts[n].count;
@@ -85,17 +89,18 @@ class PolygonSubtree {
     }
 
   private:
-    void divide(std::size_t n, bool is_spent) {
+    void divide(std::size_t n, bool has_no_bytes, bool has_no_pieces) {
         const ClippedItems items({items_.data() + drafts[n].first, drafts[n].count}, corners, planes_);
         Draft& node = drafts[n];
         node.answer = items.size() == 0 ? Split::no : partition_->choose(node.cell, items, node.data);
         const bool would_split = node.answer == Split::yes || node.answer == Split::always;
-        if (would_split && !is_spent) {
+        if (would_split && !has_no_bytes && !has_no_pieces) {
             cut(n, items);
             return;
         }
         report.cells_out_of_order += node.answer != Split::no;
-        report.cells_over_memory_budget += would_split;
+        report.cells_over_memory_budget += would_split && has_no_bytes;
+        report.cells_over_piece_budget += would_split && has_no_pieces;
         report.cells_at_depth_limit += node.answer == Split::too_deep;
         report.cells_that_cannot_be_told_apart += node.answer == Split::inseparable;
         keep(n);

@@ -55,7 +55,11 @@ void check_source(const char* who, const H& h, std::span<const P> primitives, bo
     if (needs_strict_order && !h.keeps_strict_order()) {
         detail::fail<std::invalid_argument>(
             std::string(who) + " does not keep its polygons in strict order, as the renderer needs them, in " +
-            std::to_string(h.report().cells_out_of_order) + " cells (BuildReport::cells_out_of_order)");
+            std::to_string(h.report().cells_out_of_order) + " cells (BuildReport::cells_out_of_order)" +
+            (h.report().cells_over_piece_budget != 0
+                 ? "; its polygons cross one another all over, and were not cut further: "
+                   "raise BuildOptions::most_pieces_per_polygon, or take a renderer that needs no order"
+                 : ""));
     }
 }
 /// Throws std::invalid_argument if a hierarchy was built from other primitives. Looks at all of them, and so only where

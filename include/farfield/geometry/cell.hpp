@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <initializer_list>
 
 #include "farfield/geometry/box.hpp"
 #include "farfield/geometry/length.hpp"

@@ -24,7 +24,8 @@ struct BuildReport {
     /// Kept several items that no order suits from everywhere: instances that no plane tells from the rest, or what
     /// came to a limit. Of partitions that cut.
     std::uint32_t cells_out_of_order = 0;
-    std::uint32_t spare = 0;
+    /// Wanted a split, but BuildOptions::most_pieces_per_polygon was reached: polygons cross one another all over.
+    std::uint32_t cells_over_piece_budget = 0;
 };
 
 }  // namespace farfield

@@ -73,7 +73,11 @@ struct PolygonBsp {
             for (int axis = 0; axis < 3; ++axis) {
                 const float from = parent.lower[axis], to = parent.upper[axis];
                 const float steps = to > from ? 255 / (to - from) : 0.0f;
-                const auto step = [&](float p) { return std::uint8_t(glm::clamp((p - from) * steps, 0.0f, 255.0f)); };
+                // Where the cell is so thin that steps are infinite, a NaN is step 0.
+                const auto step = [&](float p) {
+                    const float s = (p - from) * steps;
+                    return std::uint8_t(s > 0 ? std::min(s, 255.0f) : 0.0f);
+                };
                 std::uint8_t lower = step(child.lower[axis]), upper = step(child.upper[axis]);
                 while (lower > 0 && at(from, to, lower) > child.lower[axis]) --lower;
                 while (upper < 255 && at(from, to, upper) < child.upper[axis]) ++upper;

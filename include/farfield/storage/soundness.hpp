@@ -82,7 +82,7 @@ inline const char* unsound_fragments(const Fragments& fragments, std::uint32_t i
 }
 
 inline const char* unsound_facts(const HierarchyFacts& facts, std::uint64_t node_count) {
-    if (facts.root_has_stand_in > 1 || facts.spare != 0 || facts.report.spare != 0)
+    if (facts.root_has_stand_in > 1 || facts.spare != 0)
         return "a flag has no known meaning";
     if (facts.baked_light > BakedLight::directional || wrong_light(facts.light) != nullptr)
         return "the light of its stand-ins is none";

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <initializer_list>
 #include <span>
 
 #include "farfield/approximation/opacity_tensor/axis_masks.hpp"

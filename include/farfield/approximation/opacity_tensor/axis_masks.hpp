@@ -31,7 +31,7 @@ class AxisMasks {
         const glm::vec3 size = box.size();
         Coordinates at[3];
         for (int axis = 0; axis < 3; ++axis) {
-            const float steps = size[axis] > 0 ? float(side) * 256 / size[axis] : 0.0f;
+            const float steps = samples_per_unit(float(side) * 256, size[axis]);
             for (int i = 0; i < 3; ++i) {
                 // Adding 1.5 * 2^23 rounds to an integer; two boxes away is far enough not to overflow below.
                 const float s = glm::clamp((corners[i][axis] - box.lower[axis]) * steps, -0x1p13f, 0x1p14f);
@@ -60,7 +60,7 @@ class AxisMasks {
         const glm::vec3 size = box.size();
         int shift[3];
         for (int axis = 0; axis < 3; ++axis) {
-            const float steps = size[axis] > 0 ? float(side) / size[axis] : 0.0f;
+            const float steps = samples_per_unit(float(side), size[axis]);
             shift[axis] = int(std::floor((child_box.lower[axis] - box.lower[axis]) * steps + 0.5f));
         }
         for (int view = 0; view < views; ++view) {
@@ -165,6 +165,12 @@ class AxisMasks {
             rows[std::size_t(row)] |= bits & inside;
             for (int i = 0; i < 3; ++i) edge[i] += by_v[i];
         }
+    }
+
+    /// 0 where a box has no extent, or so little that samples are all in one place.
+    static float samples_per_unit(float samples, float size) {
+        const float quotient = samples / size;
+        return std::isfinite(quotient) ? quotient : 0.0f;
     }
 
     typedef std::int32_t Lanes __attribute__((vector_size(16)));

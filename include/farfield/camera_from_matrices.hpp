@@ -19,8 +19,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "farfield/camera.hpp"
 #include "farfield/fail.hpp"
-#include "farfield/view.hpp"
 
 namespace farfield {
 namespace detail {

@@ -1,4 +1,4 @@
-#include "farfield/view/camera_from_matrices.hpp"
+#include "farfield/camera_from_matrices.hpp"
 
 #include <algorithm>
 #include <cmath>
