@@ -30,7 +30,7 @@ template <class Target>
 class StrictMasks {
   protected:
     StrictMasks(Target& target, Surface& surface)
-        : target_(target), pyramid_(target.pyramid), surface_(surface), depths_(target, &surface.depth, 1) {}
+        : target_(target), pyramid_(target.pyramid), surface_(surface), depths_(target, &surface.depth, 1, surface.fold.thickness) {}
 
     std::uint64_t covered(unsigned k) const { return block_.masks[k]; }
     bool tile_overlap(unsigned, std::uint64_t, std::uint64_t, bool) { return false; }
@@ -149,6 +149,23 @@ class LazyMasks : protected StrictMasks<Target> {
         }
     }
 
+    /// Depths of samples on either side of a fold.
+    struct FoldedRows {
+        std::array<DepthPlane, 2> planes;
+        Edge<std::int64_t> fold{0, 0, 0, 0, 0, 0};
+
+        FoldedRows(const Surface& surface, bool is_folded, int x, int y) {
+            if (!is_folded) return;
+            const SnappedTriangle &t = surface.triangle, other = surface.fold.beyond(t);
+            planes = {DepthPlane(t, t.doubled_area()), DepthPlane(other, other.doubled_area())};
+            fold = surface.fold.edge(t, x, y);
+        }
+        float at(int x, int y, int i, int j) const {
+            const DepthPlane& d = planes[fold.value + i * fold.by_x + j * fold.by_y >= 0 ? 0 : 1];
+            return d.at(d.row(y + j), x + i);
+        }
+    };
+
     /// Draws as ZBufferRenderer does: the nearer wins, of two at the same depth the larger color. Returns what it drew.
     std::uint64_t draw_deep(DeepMask& deep, unsigned k, std::uint64_t inside, std::uint64_t covered,
                             const Surface& surface) const {
@@ -163,6 +180,8 @@ class LazyMasks : protected StrictMasks<Target> {
         const bool has_deposits = (target_.samples.deposited(block_) >> k & 1) != 0;
         const Rgba8 of_pixel = target_.samples.color_of(block_, k, surface);
         colors.fill(of_pixel);
+        const bool is_folded = surface.fold.thickness != 0;
+        const FoldedRows folded(surface, is_folded, x, y);
         std::uint64_t drawn = 0;
         for (int j = 0; j < 8; ++j) {
             const auto wanted = unsigned(inside >> (8 * j) & 255);
@@ -187,6 +206,9 @@ class LazyMasks : protected StrictMasks<Target> {
             EightFloats q = surface.depth.row(y + j) + columns;
             q = q < surface.depth.lowest ? MaskKernel::EightFloats{} + surface.depth.lowest : q;
             q = q > surface.depth.highest ? MaskKernel::EightFloats{} + surface.depth.highest : q;
+            if (is_folded) {
+                for (int i = 0; i < 8; ++i) q[i] = folded.at(x, y, i, j);
+            }
             const EightInts takes = is_wanted & (is_open | (q > depth) | ((q == depth) & (color > old)));
             depth = takes ? q : depth;
             old = takes ? color : old;
