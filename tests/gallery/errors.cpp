@@ -121,7 +121,7 @@ TEST_CASE("gallery: tensors cover as much as their contents, at any tolerance") 
         const auto h = build<Tensors>(leaves);
         for (const float tolerance : tolerances) {
             const double found =
-                off(h, std::span<const Triangle>(leaves), looking_orthographic({0, 0, 8}, {}, 0.5f, 64, tolerance));
+                off(h, std::span<const Triangle>(leaves), looking_orthographic({0, 0, 8}, {}, 1, 64, tolerance));
             INFO("tolerance " << tolerance << ": " << found);
             CHECK(std::abs(found) < 0.12);
         }
