@@ -69,7 +69,7 @@ class GltfAccessor {
 /// Reads .gltf and .glb; buffers and images when they are asked for, which may lie in files beside it.
 class GltfFile {
   public:
-    explicit GltfFile(const std::filesystem::path& file);
+    GltfFile(const std::string& bytes, std::filesystem::path folder);
 
     const Json& json() const { return json_; }
     std::size_t count(const char* things) const;
@@ -88,7 +88,7 @@ class GltfFile {
     std::string_view view(const GltfItem& view);
     const std::string& buffer(const GltfItem& buffer);
     std::string at_uri(const std::string& uri, const std::string& where);
-    void open(std::string bytes);
+    void open(const std::string& bytes);
 
     std::filesystem::path folder_;
     Json json_;

@@ -461,7 +461,8 @@ class Nodes {
 
 class Collector {
   public:
-    explicit Collector(const std::filesystem::path& file) : file_(file), meshes_(file_, notes_) {}
+    Collector(const std::string& bytes, const std::filesystem::path& folder)
+        : file_(bytes, folder), meshes_(file_, notes_) {}
 
     Loaded collected(const LoadOptions& options) {
         check_extensions(file_.json());
@@ -687,8 +688,8 @@ class Collector {
 
 }  // namespace
 
-Loaded read_gltf(const std::filesystem::path& file, const LoadOptions& options) {
-    return Collector(file).collected(options);
+Loaded read_gltf(const std::string& bytes, const std::filesystem::path& folder, const LoadOptions& options) {
+    return Collector(bytes, folder).collected(options);
 }
 
 }  // namespace farfield::scenes::detail
