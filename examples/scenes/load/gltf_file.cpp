@@ -249,7 +249,7 @@ double GltfAccessor::number(std::uint64_t element, std::size_t component) const 
 }
 
 std::uint32_t GltfAccessor::index(std::uint64_t element) const {
-    return static_cast<std::uint32_t>(std::max(number(element, 0), 0.0));
+    return static_cast<std::uint32_t>(number(element, 0));
 }
 
 // ---------------------------------------------------------------- the file

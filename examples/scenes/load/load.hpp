@@ -16,17 +16,22 @@ struct LoadOptions {
     std::uint64_t sphere_triangle_budget = 1'000'000;
 };
 
-/// By extension, ignoring case; always one group of triangles, colors opaque:
+/// By extension, ignoring case, or else by content; packed by gzip or not. Always one group of triangles:
 ///
-///     .off .oogl            Object File Format with all its prefixes, text only; vertex or face colors
+///     .off .oogl            Object File Format with all its prefixes; vertex or face colors
 ///     .ply                  text and binary; vertex or face colors
-///     .obj .gltf .glb       vertex colors times material color times base-color texture, taken at the
-///     corners .pdb .ent             first model, first alternate location; van der Waals spheres; angstroms
-///     .xyz                  first frame; elements, or numbered types
+///     .obj                  vertex colors times material color times texture, taken at the corners
+///     .gltf .glb            the same, of the default scene in the pose of its nodes; drawn from both sides, whatever
+///                           doubleSided says. Only alphaMode BLEND gives colors that are not opaque.
+///     .pdb .ent .cif .mmcif first model, first alternate location; van der Waals spheres
+///     .xyz                  first frame; elements, or numbered types; columns as `Properties` names them
 ///     .dump .lammpstrj      LAMMPS text dump, first frame
 ///     .data .lmp            LAMMPS data file
+///     .csv                  a field of heights
 ///
-/// Polygons in OFF and PLY are cut into fans, so they should be convex. Triangles of no area are kept.
+/// Triangles of no area are kept. What a file has and the scene has not (further models, lines, textures that cannot be
+/// read) is in the scene's notes; what would make it another picture (compressed meshes, extensions that a file
+/// requires) is refused by name.
 ///
 /// Throws std::runtime_error, one line "file: what is wrong", with the line, byte or index where one is
 /// known: unreadable, cut short or contradicting itself, an index out of range, a coordinate that is not
