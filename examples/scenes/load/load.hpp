@@ -19,23 +19,24 @@ struct LoadOptions {
 /// By extension, ignoring case, or by content where the name has none that is known; packed by gzip or not. Always one
 /// group of triangles.
 ///
-///     .off .oogl             Object File Format with all its prefixes, text and binary; vertex or face colors; in
-///     lists
-///                            and instances, with quadrilaterals and meshes
+///     .off .oogl             Object File Format with all its prefixes, text and binary; vertex or face colors;
+///                            lists, instances, quadrilaterals and meshes
 ///     .ply                   text and binary; faces, strips and fans; vertex or face colors
-///     .obj                   vertex color times material color times texture, taken at the corners; what has none of
-///                            them is gray
-///     .gltf .glb             the default scene; vertex color times material color times base-color texture
+///     .obj                   vertex color times material color times texture, taken at the corners; what has none
+///                            of them is gray
+///     .gltf .glb             the same, of the default scene in the pose of its nodes; drawn from both sides, whatever
+///                            doubleSided says. Only alphaMode BLEND gives colors that are not opaque.
 ///     .pdb .ent .cif .mmcif  first model, first alternate location; van der Waals spheres; angstroms
-///     .xyz                   first frame; elements, or numbered types
+///     .xyz                   first frame; elements, or numbered types; columns as `Properties` names them
 ///     .dump .lammpstrj       LAMMPS text dump, first frame
 ///     .data .lmp             LAMMPS data file
 ///     .csv                   height field: a table of heights, or columns named x, y and z; y is up
 ///
 /// Coordinates are read in double precision. Where single precision would be too coarse for them, the scene has an
 /// origin of its own (Scene::origin); it looks the same near zero and far away. Polygons may be concave and have holes.
-/// Triangles of no area are kept. What a file has and the scene has not is said in Scene::notes, where the picture is
-/// still one of the file; otherwise it is refused.
+/// Triangles of no area are kept. What a file has and the scene has not (further models, lines, textures that cannot be
+/// read) is said in Scene::notes; what would make it another picture (compressed meshes, extensions that a file
+/// requires) is refused by name.
 ///
 /// Throws std::runtime_error, one line "file: what is wrong", with the line, byte or index where one is known:
 /// unreadable, cut short or contradicting itself, an index out of range, a coordinate that is not finite, a scene

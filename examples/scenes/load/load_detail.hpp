@@ -31,8 +31,8 @@ Loaded read_obj(std::string_view text, const std::filesystem::path& folder);
 Loaded read_height_field(std::string_view text);
 /// More than one number between separators, as the lines of a height field are.
 bool is_row_of_numbers(std::string_view line);
-/// Opens files that lie beside it.
-Loaded read_gltf(const std::filesystem::path& file, const LoadOptions& options);
+/// Buffers and images may lie in files in `folder`.
+Loaded read_gltf(const std::string& bytes, const std::filesystem::path& folder, const LoadOptions& options);
 Loaded read_pdb(std::string_view text, const LoadOptions& options);
 Loaded read_mmcif(std::string_view text, const LoadOptions& options);
 Loaded read_xyz(std::string_view text, const LoadOptions& options);
