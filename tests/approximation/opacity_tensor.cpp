@@ -528,7 +528,7 @@ TEST_CASE("degenerate contents of cells are drawn as numbers or not at all", "[a
     }
     // Two coincident opposite ones cover what one does, and none of them is a back.
     const Cell cell = unit_cell();
-    const float area = scenes[0][0].area();
+    const auto area = float(scenes[0][0].area());
     const glm::vec3 n = glm::normalize(glm::cross(b - a, c - a));
     const float one = covered_from(data_of(cell, scenes[0]), cell, n);
     CHECK(one == Approx(area).epsilon(0.06));
