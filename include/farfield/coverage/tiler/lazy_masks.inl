@@ -161,11 +161,13 @@ class LazyMasks : protected StrictMasks<Target> {
         MaskDepths(const Surface& surface, int x, int y) : y_(y), planes_{surface.depth, {}} {
             if (surface.fold.thickness != 0) [[unlikely]]
                 unfold(surface, x, y);
-            const auto columns = [&](const DepthPlane& d) {
-                return d.by_x * (EightFloats{0, 1, 2, 3, 4, 5, 6, 7} + float(x) + d.base_x);
+            // Sets them in place: g++ warns of functions that return vectors wider than the target's.
+            const auto set_columns = [&](unsigned plane) {
+                const DepthPlane& d = planes_[plane];
+                columns_[plane] = d.by_x * (EightFloats{0, 1, 2, 3, 4, 5, 6, 7} + float(x) + d.base_x);
             };
-            columns_[0] = columns(planes_[0]);
-            if (first_ != all_subcells) columns_[1] = columns(planes_[1]);
+            set_columns(0);
+            if (first_ != all_subcells) set_columns(1);
         }
         EightFloats row(int j) const {
             const EightFloats q = row(0, j);
