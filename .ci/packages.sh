@@ -1,8 +1,7 @@
 # Sourced by tests/run.sh, examples/run.sh, bench/run.sh and .ci/run: what a bare Debian 12 needs.
 
-# zlib1g-dev: the CMake package of libassimp-dev links to libz.so, its Debian package does not ask for it.
-farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev libassimp-dev zlib1g-dev libstb-dev
-    libcli11-dev nlohmann-json3-dev)
+farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev zlib1g-dev libstb-dev libcli11-dev
+    nlohmann-json3-dev)
 # For bench/run.sh and .ci/run.
 farfield_chart_packages=(gnuplot-nox)
 # For .ci/run: a second compiler, formatting, the reference; ccache makes the next run short.

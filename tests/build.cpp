@@ -14,6 +14,7 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/nested.hpp"
@@ -248,7 +249,10 @@ TEST_CASE("an option that makes no sense is refused by its name before anything 
           "farfield::Nested: largest_leaf must be 1 or more");
     CHECK(build_refusal<Halls>(triangles, {.partition = {.inner = {.price_of_cut = nan}}}) ==
           "farfield::PolygonBsp: price_of_cut must be 0 or more and finite");
+    using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
     for (const float bad : {nan, infinity, -1.0f}) {
+        CHECK(build_refusal<Tensors>(triangles, {.approximation = {.sheet_gain = bad}}) ==
+              "farfield::OpacityTensor: gains of sheets must be above 0 and finite");
         CHECK(build_refusal<Cubes>(triangles, {.cost_model = {.triangles_per_splat = bad}}) ==
               "farfield::TriangleCount: prices must be 0 or more and finite");
         CHECK(build_refusal<Timed>(triangles, {.cost_model = {.run = bad}}) ==

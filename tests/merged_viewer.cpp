@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -370,6 +371,9 @@ TEST_CASE("a body that was placed is where it was placed") {
         CHECK(one.image() == other.image());
     }
     CHECK_THROWS_WITH(moving.place(10, Similarity()), "farfield::MergedViewer: there is no body 10 of 10");
+    Similarity nowhere;
+    nowhere.translation.z = std::numeric_limits<double>::quiet_NaN();
+    CHECK_THROWS_WITH(moving.place(1, nowhere), "farfield::MergedViewer: body 1's translation must be finite");
 }
 
 TEST_CASE("no bodies, and bodies of nothing, show the background") {

@@ -58,7 +58,8 @@ struct Changed : OpacityTensor {
         if (fit.is_empty()) return {};
         TensorShape shape = fit.shape(counts_overlap);
         change(*this, shape);
-        shape.error = OpacityTensor::finish(cell, d).error() - 0.5f / 255;  // is rounded up again
+        const float root = std::sqrt(OpacityTensor::finish(cell, d).error()) - 0.5f / 31;  // is rounded up again
+        shape.error = root > 0 ? root * root : 0.0f;
         return StoredTensor::packed(shape);
     }
 };
@@ -132,8 +133,6 @@ const std::vector<Method>& variants() {
                OpacityTensor{.closed_surfaces = true, .counts_overlap = false}),
         ablated<Changed<without_tone>>("no_tone"),
         ablated<Squares>("squares"),
-        method("strewn_over_the_whole_box", OpacityTensor{.strewn_over = 1},
-               OpacityTensor{.closed_surfaces = true, .strewn_over = 1}),
         method("no_sheet_gain", OpacityTensor{.sheet_gain = 1},
                OpacityTensor{.closed_surfaces = true, .closed_sheet_gain = 1}),
         ablated<PointSampledTriangles>("small_triangles_point_sampled"),

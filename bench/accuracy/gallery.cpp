@@ -8,6 +8,8 @@
 //   inflation  signed coverage bias at 1 to 64 times the distance, tolerance 1 pixel; -1: all is gone
 //   tone       mean luminance of what is covered, less the reference's, in [-1, 1], over directions: its mean, and the
 //              largest less the smallest. covered: part of the reference's coverage, smallest and largest
+//   loss       what is covered, less the reference's, as a part of it: median and worst of five directions, at
+//              tolerances of 1, 4 and 8 pixels
 //   seams      flicker and largest pop (root mean square over the unit ball's rectangle) on a dolly from 2 to 32 radii
 //   trembling  likewise where the eye trembles by 1e-3 of its distance; flips: part of the covered pixels, a frame, of
 //              which a channel changes by more than a tenth beyond what the reference's does
@@ -196,6 +198,32 @@ void tone(benchmark::State& state, const Subject& subject, Drawn& drawn) {
     state.counters["covered_most"] = *most;
 }
 
+// ---- loss
+
+std::vector<View> views_of_loss(const scenes::GalleryScene& scene) {
+    std::vector<View> views;
+    for (const glm::dvec3 towards : {glm::dvec3(scene.towards_viewer), glm::dvec3(0, 0.02, 1), glm::dvec3(0.1, 0.15, 1),
+                                     glm::dvec3(0.6, 0.5, 0.7), glm::dvec3(0.02, 1, 0)}) {
+        views.push_back(view_from(glm::normalize(towards) * 8.0, 256, 0));
+    }
+    return views;
+}
+
+void loss(benchmark::State& state, const Subject& subject, Drawn& drawn) {
+    for (const auto& [tolerance, name] :
+         {std::pair{1.0f, "1px"}, std::pair{coarse_px, "4px"}, std::pair{8.0f, "8px"}}) {
+        std::vector<double> off;
+        for (std::size_t i = 0; i < subject.views.size(); ++i) {
+            View view = subject.views[i];
+            view.tolerance_px = tolerance;
+            off.push_back(coverage(drawn.picture(view)) / coverage(subject.references[i]) - 1);
+        }
+        std::sort(off.begin(), off.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+        state.counters[std::string("loss_median_") + name] = off[off.size() / 2];
+        state.counters[std::string("loss_worst_") + name] = off.back();
+    }
+}
+
 // ---- seams and trembling
 
 std::vector<View> views_of_dolly(const scenes::GalleryScene& scene) {
@@ -280,6 +308,11 @@ const std::vector<Failure>& failures() {
          {{"wall", {0, 0.5f, 1}}, {"bust", {0, 0.5f, 1}}, {"sheets", {1}}}},
         {"inflation", views_of_inflation, inflation, narrowed, {{"twigs", {0, 0.5f, 1}}, {"bust", {0.5f}}}},
         {"tone", views_of_tone, tone, unchanged, {{"slats", {0, 0.25f, 0.5f, 0.75f, 1}}, {"leaves", {0, 0.5f, 1}}}},
+        {"loss",
+         views_of_loss,
+         loss,
+         unchanged,
+         {{"meadow", {0, 0.5f, 1}}, {"clouds", {0.25f, 0.75f, 1}}, {"leaves", {0}}}},
         {"seams",
          views_of_dolly,
          seams,

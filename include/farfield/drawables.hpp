@@ -40,6 +40,15 @@ struct Source {
     /// The primitive, or the one that the position's fragment is a piece of.
     const P& operator[](std::uint32_t position) const { return primitives[order.empty() ? position : order[position]]; }
 
+    /// Tells that positions from this one on are wanted in turn: in memory they lie all over, where there is an order.
+    void prefetch(std::uint32_t position) const {
+        constexpr std::uint32_t ahead = 12;
+        if (order.empty() || !fragments.empty() || order.size() - position <= ahead) return;
+        const char* primitive = reinterpret_cast<const char*>(primitives.data() + order[position + ahead]);
+        __builtin_prefetch(primitive);
+        if constexpr (sizeof(P) > 16) __builtin_prefetch(primitive + sizeof(P) - 1);
+    }
+
     /// Calls sink(Polygon) with what the position holds, in local coordinates: prefer it to the primitive's own
     /// polygons, which a partition may have cut. Of an instance nothing.
     template <class Sink>

@@ -77,12 +77,14 @@ class MergedViewer {
 
     std::span<const Body> bodies() const { return bodies_; }
 
-    /// Places a body from the next frame on. Throws std::invalid_argument if there is no such body.
+    /// Places a body from the next frame on. Throws std::invalid_argument if there is no such body or
+    /// no such place.
     void place(std::size_t body, const Similarity& to_world) {
         if (body >= bodies_.size()) {
             detail::fail<std::invalid_argument>("farfield::MergedViewer: there is no body " + std::to_string(body) +
                                                 " of " + std::to_string(bodies_.size()));
         }
+        check_place(body, to_world);
         bodies_[body].to_world = to_world;
     }
 
@@ -112,10 +114,17 @@ class MergedViewer {
   private:
     using Part = detail::BodyPart;
 
+    static void check_place(std::size_t body, const Similarity& to_world) {
+        if (to_world.is_finite()) return;
+        detail::fail<std::invalid_argument>("farfield::MergedViewer: body " + std::to_string(body) +
+                                            "'s translation must be finite");
+    }
+
     void add(std::size_t b) {
         const std::string name = "farfield::MergedViewer: body " + std::to_string(b);
         const Body& body = bodies_[b];
         if (body.hierarchy == nullptr) detail::fail<std::invalid_argument>(name + " has no hierarchy");
+        check_place(b, body.to_world);
         detail::check_source(name.c_str(), *body.hierarchy, body.primitives, /*needs_strict_order=*/true);
         if (!sources_.has(*body.hierarchy, body.primitives)) {
             detail::check_fingerprint(name.c_str(), *body.hierarchy, body.primitives);

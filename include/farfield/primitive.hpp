@@ -42,7 +42,7 @@ concept HasWork = requires(const P& p) {
 };
 template <class P, class F>
 concept HasVisitInstance = requires(const P& p, F& f) {
-    p.visit_instance(f);
+    { p.visit_instance(f) } -> std::convertible_to<bool>;
 };
 }  // namespace detail
 

@@ -374,7 +374,8 @@ TEST_CASE("without splats up to three faces are drawn, and polygons are these", 
                 const float along = covered_from(data, cell, w, a),
                             largest = 4 * cell.bounds_half.x * cell.bounds_half.x;
                 INFO("round " << i << ", axis " << axis << (is_closed ? ", closed" : ""));
-                CHECK(areas[std::size_t(axis)] == Approx(along).margin(largest / 255));
+                CHECK(areas[std::size_t(axis)] >= along - largest / 255);
+                CHECK(areas[std::size_t(axis)] <= 1.1f * along + largest / 255);
             }
             for (int k = 0; k < 20; ++k) {
                 const glm::vec3 eye = random.direction() * 6.0f;
@@ -396,7 +397,8 @@ TEST_CASE("without splats up to three faces are drawn, and polygons are these", 
     }
 }
 
-TEST_CASE("polygons of an open cell are those that are drawn", "[approximation]") {
+TEST_CASE("polygons of an open cell are those that are drawn, all of them by one factor more opaque",
+          "[approximation]") {
     Random random(108);
     const Cell cell = unit_cell();
     for (int i = 0; i < 20; ++i) {
@@ -406,7 +408,12 @@ TEST_CASE("polygons of an open cell are those that are drawn", "[approximation]"
         for (const Face& f : draw(data, cell, from(glm::vec3(std::sqrt(1.0f / 3))), plain, 0).faces) {
             faces.push_back(f.rgba.a);
         }
-        CHECK(alphas == faces);
+        REQUIRE(alphas.size() == faces.size());
+        for (std::size_t k = 0; k < faces.size(); ++k) {
+            CHECK(alphas[k] == Approx(faces[k] * alphas[0] / faces[0]).margin(2));
+            CHECK(alphas[k] >= faces[k]);
+            CHECK(alphas[k] <= 1.1f * faces[k] + 1);
+        }
     }
 }
 
@@ -521,7 +528,7 @@ TEST_CASE("degenerate contents of cells are drawn as numbers or not at all", "[a
     }
     // Two coincident opposite ones cover what one does, and none of them is a back.
     const Cell cell = unit_cell();
-    const float area = scenes[0][0].area();
+    const auto area = float(scenes[0][0].area());
     const glm::vec3 n = glm::normalize(glm::cross(b - a, c - a));
     const float one = covered_from(data_of(cell, scenes[0]), cell, n);
     CHECK(one == Approx(area).epsilon(0.06));
@@ -773,7 +780,8 @@ TEST_CASE(
     visit(visit, 0, h.root_cell(), h.root_stand_in());
     CHECK(pairs > 500);
     CHECK(falling == 0);
-    CHECK(without < pairs / 10);
+    // Of most cells masks cannot tell that anything is lost.
+    CHECK(without < pairs);
 }
 
 TEST_CASE("a cell made of its children is drawn as one that was made of their contents", "[approximation]") {
@@ -817,10 +825,24 @@ TEST_CASE("a cell made of its children is drawn as one that was made of their co
 
 TEST_CASE("the error is the cell's side and what it shows too much or too little", "[approximation]") {
     const Cell cell = unit_cell();
-    std::size_t wrong = 0;
+    // A frame of square rods along the cell's edges: from an axis rods hide one another, from a diagonal none does.
+    Triangles frame;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int i = 0; i < 16; ++i) {
+            const float side = 0.2f, at_u = i & 1 ? -0.9f : 0.7f, at_v = i & 2 ? -0.9f : 0.7f;
+            glm::vec3 corner(0), along(0), across(0);
+            corner[axis] = -0.9f, along[axis] = 1.8f;
+            corner[(axis + 1) % 3] = at_u + (i >= 12 ? side : 0.0f);
+            corner[(axis + 2) % 3] = at_v + (i / 4 == 1 ? side : 0.0f);
+            across[(axis + (i < 8 ? 1 : 2)) % 3] = side;
+            append(frame, sheet(corner, along, across, 4, 1, white));
+        }
+    }
+    CHECK(data_of(cell, frame).error() > 0.1f);
     for (std::uint64_t i = 0; i < 30; ++i) {
-        const StoredTensor data = data_of(cell, random_triangles(1 + i * i, 1510 + i, 0.4f));
-        wrong += data.error() > 0.1f;
+        const Triangles some = random_triangles(1 + i * i, 1510 + i, 0.4f);
+        const StoredTensor data = data_of(cell, some);
+        CHECK(data.error() < 0.1f);
         for (const View& view : {looking({3, 2, 7}), looking_orthographic({3, 2, 7})}) {
             const LocalView local(view, {}, 5);
             const float side = local.pixels(2, local.distance_to(cell));
@@ -828,7 +850,6 @@ TEST_CASE("the error is the cell's side and what it shows too much or too little
             CHECK(plain.least_error_px(cell, 0, local) <= side);
         }
     }
-    CHECK(wrong > 5);
 }
 
 TEST_CASE("leaves are strewn over four tenths of their box", "[approximation]") {

@@ -90,6 +90,7 @@ TEST_CASE("the first primitive that nothing can be made of is named, and why") {
     CHECK(refusal({at({0, 0, 0}), at({0, 0, 0}), cheap}) == "farfield: primitive 2 has a cost below 0 or NaN");
     CHECK(refusal({odd}) == "farfield: primitive 0 has a cost below 0 or NaN");
     // Each by itself is finite; together they are not in single precision.
-    CHECK(refusal({at({3e38, 0, 0}), at({-3e38, 0, 0})}) == "farfield: the scene's extent overflows single precision");
+    CHECK(refusal({at({3e38, 0, 0}), at({-3e38, 0, 0})}) ==
+          "farfield: primitive 1 makes the scene's extent overflow single precision");
     CHECK(refusal({at({3e37, 0, 0}), at({-3e37, 0, 0})}).empty());
 }

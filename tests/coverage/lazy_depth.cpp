@@ -76,11 +76,11 @@ void vary(Random& random, std::vector<TilePolygon>& polygons) {
                 if (random.below(3) == 0) c.a = std::uint8_t(random.below(256));
             }
             s.is_flat = false;
-            s.is_perspective = random.below(2) == 0;
-            if (s.is_perspective) {  // of what lies before the eye
+            s.color_weight = random.below(2) == 0 ? ColorWeight{1, 0} : ColorWeight{0, 1};
+            if (s.color_weight.by_q != 0) {  // of what lies before the eye
                 for (float& q : s.triangle.q) q = random.between(0.1f, 1);
             }
-            s.gradient = ColorGradient(s.triangle, s.colors, s.is_perspective);
+            s.gradient = ColorGradient(s.triangle, s.colors, s.color_weight);
         }
         const bool is_opaque = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
         s.kind = is_opaque ? SurfaceKind::opaque : SurfaceKind::translucent;

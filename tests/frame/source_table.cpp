@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "catch.hpp"
@@ -166,4 +167,40 @@ TEST_CASE("a shared item is new once an epoch, also when epochs begin anew") {
         CHECK(state.is_new(i));
         CHECK_FALSE(state.is_new(i));
     }
+}
+
+namespace {
+/// A triangle, or an instance of a hierarchy over such things.
+struct Link {
+    std::variant<Triangle, Instance<Loose, Link>> is;
+
+    BoxD bounds() const {
+        if (const auto* instance = std::get_if<1>(&is)) return instance->bounds();
+        const Box b = std::get<0>(is).bounds();
+        return {glm::dvec3(b.lower), glm::dvec3(b.upper)};
+    }
+    template <class Sink>
+    void polygons(Sink&& sink) const {
+        std::visit([&](const auto& o) { o.polygons(sink); }, is);
+    }
+    template <class F>
+    bool visit_instance(F&& f) const {
+        const auto* instance = std::get_if<1>(&is);
+        return instance && instance->visit_instance(f);
+    }
+};
+}  // namespace
+
+TEST_CASE("a hierarchy that came to hold itself is refused, not entered for ever") {
+    std::vector<Link> links(1);
+    links[0].is = random_triangles(1, 811)[0];
+    Loose h = build<Loose>(links);
+    std::vector<Link> ring{Link{Instance<Loose, Link>{&h, links, {}}}};
+    // The hierarchy that the instance names is replaced by the one that holds it.
+    ring[0].is = Instance<Loose, Link>{&h, ring, {}};
+    h = build<Loose>(ring);
+    Naming renderer;
+    SourceTable<Naming> table(renderer);
+    CHECK_THROWS_WITH(table.add_all(h, std::span<const Link>(ring)),
+                      "farfield::Viewer: the hierarchy holds an instance of itself");
 }

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <exception>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -47,7 +49,10 @@ std::optional<double> meets(const std::array<glm::dvec3, 3>& v, const glm::dvec3
 std::vector<char> certain_pixels(const scenes::Scene& flat, const Scene& scene, const View& view) {
     const Camera& c = view.camera;
     std::vector<char> certain(std::size_t(view.width) * std::size_t(view.height));
-    const glm::dvec3 right(c.right), up(c.up), forward(c.forward);
+    // Points have coordinates along the axes, which are at right angles up to rounding: seen from far that is much.
+    const glm::dvec3 axes[3] = {glm::dvec3(c.right), glm::dvec3(c.up), glm::dvec3(c.forward)};
+    const glm::dmat3 dual = glm::inverse(glm::transpose(glm::dmat3(axes[0], axes[1], axes[2])));
+    const glm::dvec3 right = dual[0], up = dual[1], forward = dual[2];
     double largest = scene.unit;
     for (const scenes::Scene* each : {&flat, &scene.scene}) {
         for (const auto& t : each->groups.front().triangles) {

@@ -86,3 +86,64 @@ TEST_CASE("gallery: clusters that lose twigs find them again too thick, as they 
         }
     }
 }
+
+// What cells stand for must not be lost between them: rows of cells behind one another, layers much thinner than a
+// cell, trees as instances. The bounds are some of what is lost from the worst side, not tuned marks: a far field whose
+// rectangles leave gaps, or that takes a layer's thickness for twice what it is, loses a quarter to a half.
+TEST_CASE("gallery: tensors cover as much as their contents, at any tolerance") {
+    using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
+    const auto off = [](const auto& h, const auto& primitives, View view) {
+        ZBufferRenderer renderer({.samples = 64});
+        auto viewer = make_viewer(h, primitives, renderer);
+        const float tolerance = view.tolerance_px;
+        view.tolerance_px = 0;
+        viewer.frame(view);
+        const double exact = coverage(renderer.image());
+        view.tolerance_px = tolerance;
+        CHECK(viewer.frame(view).approximations > 0);
+        return coverage(renderer.image()) / exact - 1;
+    };
+    constexpr std::array<float, 2> tolerances{4, 8};
+    SECTION("a meadow") {
+        const auto blades = scenes::meadow({.blades = 30'000});
+        const auto h = build<Tensors>(blades);
+        for (const glm::dvec3 towards : {glm::dvec3(0.2, 0.35, 1), glm::dvec3(0, 0.1, 1), glm::dvec3(0.02, 1, 0)}) {
+            for (const float tolerance : tolerances) {
+                const double found = off(h, std::span<const Triangle>(blades),
+                                         looking(glm::normalize(towards) * 8.0, {}, 128, tolerance));
+                INFO("tolerance " << tolerance << ", from " << towards.x << " " << towards.y << ": " << found);
+                CHECK(std::abs(found) < 0.12);
+            }
+        }
+    }
+    SECTION("16 clouds in a row") {
+        const auto leaves = scenes::clouds({.leaves = 1000, .radius = 0.1f});
+        const auto h = build<Tensors>(leaves);
+        for (const float tolerance : tolerances) {
+            const double found =
+                off(h, std::span<const Triangle>(leaves), looking_orthographic({0, 0, 8}, {}, 1, 64, tolerance));
+            INFO("tolerance " << tolerance << ": " << found);
+            CHECK(std::abs(found) < 0.12);
+        }
+    }
+    SECTION("trees as instances") {
+        const auto leaves = scenes::lit_leaves({.leaves = 3000});
+        const auto tree = build<Tensors>(leaves);
+        Random random(31);
+        std::vector<Instance<Tensors, Triangle>> forest;
+        for (int i = 0; i < 2000; ++i) {
+            Similarity place;
+            place.translation = {random.between(-60, 60), 0, random.between(-60, 60)};
+            forest.push_back({&tree, leaves, place});
+        }
+        const auto h = build<Tensors>(forest);
+        for (const glm::dvec3 towards : {glm::dvec3(0, 0.1, 1), glm::dvec3(0, 0.5, 1), glm::dvec3(0.4, 0.9, 0.4)}) {
+            for (const float tolerance : tolerances) {
+                const double found = off(h, std::span<const Instance<Tensors, Triangle>>(forest),
+                                         looking(glm::normalize(towards) * 300.0, {}, 128, tolerance));
+                INFO("tolerance " << tolerance << ", from " << towards.x << " " << towards.y << ": " << found);
+                CHECK(std::abs(found) < 0.12);
+            }
+        }
+    }
+}

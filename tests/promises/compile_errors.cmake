@@ -6,7 +6,7 @@
 cmake_minimum_required(VERSION 3.20)
 
 set(compilers "${COMPILER}")
-foreach(name g++ clang++ clang++-14)
+foreach(name g++ clang++)
   find_program(found_${name} ${name})
   if(found_${name})
     list(APPEND compilers "${found_${name}}")
@@ -15,11 +15,15 @@ endforeach()
 list(REMOVE_DUPLICATES compilers)
 file(MAKE_DIRECTORY "${DIRECTORY}")
 
-set(failures 0)
 # Every line of the text must come up in the first 20 lines of errors that the program gives.
 function(expect name text program)
   set(source "${DIRECTORY}/${name}.cpp")
-  file(WRITE "${source}" "#include \"farfield/farfield.hpp\"\nusing namespace farfield;\n${program}\n")
+  set(includes)
+  foreach(header approximation/color_cube approximation/exact partition/octree partition/polygon_bsp
+                 cost_model/triangle_count primitive/triangle build viewer)
+    string(APPEND includes "#include \"farfield/${header}.hpp\"\n")
+  endforeach()
+  file(WRITE "${source}" "${includes}using namespace farfield;\n${program}\n")
   foreach(compiler IN LISTS compilers)
     execute_process(COMMAND "${compiler}" -std=c++20 -fsyntax-only "-I${SOURCE_DIRECTORY}/include" "${source}"
                     RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE errors)

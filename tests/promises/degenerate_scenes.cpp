@@ -260,7 +260,8 @@ TEST_CASE("a scene too large for single precision is refused, or drawn") {
                 CHECK(node.cell.box().is_finite());
                 CHECK(node.cell.bounds().is_finite());
             }
-        } catch (const std::invalid_argument&) {
+        } catch (const std::invalid_argument& e) {
+            CHECK(std::string(e.what()).find("farfield: primitive ") == 0);
         }
     }
 }

@@ -208,9 +208,8 @@ TEST_CASE("after a frame of instances that ran out of memory the next is right")
     const auto tree = build<Tensors>(triangles);
     std::vector<Placed<Tensors>> trees;
     for (int i = 0; i < 4; ++i) {
-        trees.push_back({&tree, triangles, {}});
-        trees.back().to_world.translation = {i % 2 - 0.5, 0.3 * i, i / 2 - 0.5};
-        trees.back().to_world.scale = 0.4f;
+        const glm::dvec3 at(i % 2 - 0.5, 0.3 * i, i / 2 - 0.5);
+        trees.push_back({&tree, triangles, {glm::mat3(1.0f), 0.4f, at}});
     }
     const auto forest = build<Forest>(trees);
     check_viewers<ZBufferRenderer>("z-buffer", forest, trees, ZBufferOptions{.samples = 4});

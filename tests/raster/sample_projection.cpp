@@ -37,7 +37,8 @@ TEST_CASE("points come where a pinhole, or parallel rays, put them, rows downwar
         const glm::dvec3 found = on_grid(to, p);
         CHECK(std::abs(found.x - (0.5 * view.width * side + double(p.x) * a_unit)) < 0.01);
         CHECK(std::abs(found.y - (0.5 * view.height * side - double(p.y) * a_unit)) < 0.01);
-        CHECK(found.z == Approx(i % 2 ? 1 / depth : -depth));
+        constexpr double unit = 8;  // the power of two above the diagonal
+        CHECK(found.z == Approx(i % 2 ? unit / depth : -depth / unit));
     }
 }
 

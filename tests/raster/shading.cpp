@@ -58,8 +58,8 @@ TEST_CASE("colors are those of the corners there, and their mean in the middle o
     // Corners on centers of samples.
     const SnappedTriangle t{{128, 128 + 256 * 60, 128}, {128, 128, 128 + 256 * 60}, {0.5f, 0.5f, 0.5f}};
     const Rgba8 colors[3] = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 100}};
-    for (const bool perspective : {false, true}) {
-        const ColorPlane plane(t, t.doubled_area(), perspective);
+    for (const ColorWeight weight : {ColorWeight{0, 1}, ColorWeight{1, 0}}) {
+        const ColorPlane plane(t, t.doubled_area(), weight);
         CHECK(plane.at(0, 0, colors) == colors[0]);
         CHECK(plane.at(60, 0, colors) == colors[1]);
         CHECK(plane.at(0, 60, colors) == colors[2]);
@@ -71,6 +71,6 @@ TEST_CASE("between corners of different depths colors are perspectively right", 
     // Along the first edge from depth 1 to depth 3: halfway over the screen a quarter of the way in space.
     const SnappedTriangle t{{128, 128 + 256 * 60, 128}, {128, 128, 128 + 256 * 60}, {1, 1.0f / 3, 1}};
     const Rgba8 colors[3] = {{0, 0, 0, 255}, {200, 0, 0, 255}, {0, 0, 0, 255}};
-    CHECK(ColorPlane(t, t.doubled_area(), true).at(30, 0, colors).r == 50);
-    CHECK(ColorPlane(t, t.doubled_area(), false).at(30, 0, colors).r == 100);
+    CHECK(ColorPlane(t, t.doubled_area(), {1, 0}).at(30, 0, colors).r == 50);
+    CHECK(ColorPlane(t, t.doubled_area(), {0, 1}).at(30, 0, colors).r == 100);
 }

@@ -110,6 +110,10 @@ TEST_CASE("the gallery refuses what makes no scene, naming it", "[scenes]") {
     CHECK_THROWS_AS(lit_leaves({.contrast = 2}), std::invalid_argument);
     CHECK_THROWS_AS(sheets({.spacing = -1}), std::invalid_argument);
     CHECK_THROWS_AS(ground_and_leaves({.half_side = nan}), std::invalid_argument);
+    CHECK_THROWS_AS(meadow({.height = 0}), std::invalid_argument);
+    CHECK_THROWS_AS(meadow({.cover = nan}), std::invalid_argument);
+    CHECK_THROWS_AS(clouds({.clouds = 0}), std::invalid_argument);
+    CHECK_THROWS_AS(clouds({.radius = -1}), std::invalid_argument);
     try {
         make_gallery("nothing", 0);
     } catch (const std::invalid_argument& e) {
@@ -219,6 +223,30 @@ TEST_CASE("a ground of two triangles lies under the leaves", "[scenes]") {
     for (std::size_t i = 3000; i < 3002; ++i) {
         for (const glm::vec3& v : all[i].vertices) CHECK((v.y == -1 && std::abs(v.x) == 50 && std::abs(v.z) == 50));
     }
+}
+
+TEST_CASE("a meadow has the area asked for, and stands on the ground", "[scenes]") {
+    const Triangles grass = meadow({.blades = 5000, .height = 0.1f, .cover = 2});
+    CHECK(grass.size() == 5000);
+    CHECK(area(grass) == Approx(8).epsilon(0.05));
+    for (const Triangle& t : grass) {
+        CHECK(t.vertices[0].y == 0);
+        CHECK(t.vertices[1].y == 0);
+        CHECK(t.vertices[2].y > 0.04f);
+        CHECK(t.vertices[2].y <= 0.1f);
+    }
+}
+
+TEST_CASE("clouds in a row leave open what each of them does", "[scenes]") {
+    // Orthographically along the row, in the middle of the disk.
+    const auto open = [](std::uint32_t count) {
+        const Triangles row = clouds({.clouds = count, .leaves = 3000, .cover = 0.3f, .radius = 0.5f});
+        const Image image = finely(row, test::looking_orthographic({0, 0, 8}, {}, 0.4f, 32));
+        return 1 - test::coverage(image) / (32 * 32);
+    };
+    const double one = open(1);
+    CHECK(one == Approx(0.8).margin(0.05));
+    CHECK(open(8) == Approx(std::pow(one, 8)).margin(0.05));
 }
 
 TEST_CASE("one color at each corner changes nothing", "[scenes]") {

@@ -2,6 +2,7 @@
 #include "scenes/load/load.hpp"
 
 #include "files.hpp"
+#include "scenes/load/load_detail.hpp"
 
 using namespace farfield;
 using namespace farfield::scenes;
@@ -184,7 +185,7 @@ TEST_CASE("what is no readable file of a known kind is refused", "[scenes][load]
     CHECK(contains(outcome(directory.path() / "missing.off"), "no such file"));
     CHECK(contains(outcome(directory.path() / "missing.glb"), "no such file"));
     CHECK(contains(outcome(directory.write("scene.docx", "x")), "unknown extension '.docx'"));
-    CHECK(contains(outcome(directory.write("scene", "x")), "unknown extension ''"));
+    CHECK(contains(outcome(directory.write("scene", "x")), "unknown extension '', and nothing known inside"));
     std::filesystem::create_directory(directory.path() / "folder.ply");
     CHECK(contains(outcome(directory.path() / "folder.ply"), "not a regular file"));
 }
@@ -200,4 +201,98 @@ TEST_CASE("light darkens a mesh's colors and nothing else", "[scenes][load]") {
     CHECK(lit[0].rgba[0].r > lit[1].rgba[0].r);  // the first faces up
     CHECK(lit[0].rgba[0].r <= 200);
     CHECK(lit[1].rgba[0].b == 0);
+}
+
+TEST_CASE("files without a known extension are known by their content", "[scenes][load]") {
+    const TemporaryDirectory directory;
+    const char* const contents[] = {
+        "# by hand\nCOFF\n3 1 0\n0 0 0 1 0 0 1\n1 0 0 1 0 0 1\n0 1 0 1 0 0 1\n3 0 1 2\n",
+        "{ LIST { OFF 3 1 0 0 0 0 1 0 0 0 1 0 3 0 1 2 } }",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face "
+        "1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        "# Blender\n\nmtllib none.mtl\no x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        "3\ncomment\nC 0 0 0\nH 1 0 0\nH 0 1 0\n",
+        "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\nITEM: ATOMS id type x "
+        "y "
+        "z\n1 1 0 0 0\n",
+        "LAMMPS\n\n1 atoms\n1 atom types\n\nAtoms # atomic\n\n1 1 0 0 0\n",
+        "HEADER    X\nATOM      1  CA  ALA A   1      11.104   6.134  -6.504  1.00  0.00           C\n",
+        "1,2,3\n4,5,6\n"};
+    for (const char* const content : contents) {
+        CAPTURE(content);
+        CHECK(outcome(directory.write("scene", content)).empty());
+        CHECK(outcome(directory.write("scene.001", content)).empty());
+    }
+}
+
+TEST_CASE("packed files are unpacked", "[scenes][load]") {
+    // OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n, by gzip -9n.
+    const unsigned char packed[] = {0x1f, 0x8b, 0x08, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02, 0x03, 0xf3, 0x77,
+                                    0x73, 0xe3, 0x32, 0x56, 0x30, 0x54, 0x30, 0xe0, 0x32, 0x50, 0x00, 0x42,
+                                    0x2e, 0x43, 0x30, 0x69, 0x00, 0x16, 0x31, 0x56, 0x00, 0xd1, 0x46, 0x5c,
+                                    0x00, 0x02, 0x15, 0x14, 0xa5, 0x24, 0x00, 0x00, 0x00};
+    const std::string bytes(reinterpret_cast<const char*>(packed), sizeof packed);
+    const TemporaryDirectory directory;
+    for (const char* name : {"scene.off.gz", "scene.off", "scene.gz", "scene", "scene.OFF.GZ"}) {
+        CAPTURE(name);
+        const Scene scene = load(directory.write(name, bytes));
+        CHECK(triangle_count(scene) == 1);
+        CHECK(scene.name == "scene");
+    }
+    CHECK(outcome(directory.write("padded.off.gz", bytes + std::string(100, '\0'))).empty());
+    CHECK(outcome(directory.write("cut.off.gz", bytes.substr(0, bytes.size() - 9))).find("cut short") !=
+          std::string::npos);
+    std::string damaged = bytes;
+    damaged[20] = static_cast<char>(damaged[20] ^ 0x55);
+    CHECK(outcome(directory.write("damaged.off.gz", damaged)).find("gzip") != std::string::npos);
+}
+
+TEST_CASE("numbers beyond what a double holds are large or small, as they are written", "[scenes][load]") {
+    using detail::number;
+    CHECK(number<double>("1e999") == std::numeric_limits<double>::infinity());
+    CHECK(number<double>("-1e999") == -std::numeric_limits<double>::infinity());
+    CHECK(number<double>("1e-999") == 0.0);
+    CHECK(number<double>("0." + std::string(400, '0') + '1') == 0.0);
+    CHECK(number<double>("0." + std::string(400, '0') + "1e401") == Approx(1.0));
+    CHECK(number<double>(std::string(400, '1')) == std::numeric_limits<double>::infinity());
+    CHECK(number<double>("1e99999999999999999999") == std::numeric_limits<double>::infinity());
+    CHECK(number<double>("1e-99999999999999999999") == 0.0);
+    CHECK(number<double>("+1.5") == 1.5);
+    CHECK_FALSE(number<double>("1.5f"));
+    CHECK_FALSE(number<double>("1.#IND"));
+}
+
+TEST_CASE("small files of meshes that hide faults give what they say", "[scenes][load]") {
+    const std::filesystem::path folder = shared_data();
+    if (folder.empty()) return;
+    const auto triangles = [&](const char* file) {
+        return load(folder / "reports" / file, unlit()).groups[0].triangles;
+    };
+    const auto area = [&](const char* file) {
+        float sum = 0.0f;
+        for (const auto& t : triangles(file)) {
+            sum += 0.5f * glm::length(glm::cross(t.vertices[1] - t.vertices[0], t.vertices[2] - t.vertices[0]));
+        }
+        return sum;
+    };
+    CHECK(triangles("nokd.obj")[0].rgba[0] == Rgba8{255, 255, 255});
+    CHECK(triangles("comment_end.obj").size() == 2);
+    CHECK(area("ply-concave.ply") == Approx(7.0f));
+    CHECK(triangles("ply-tristrips.ply").size() == 4);
+    CHECK(area("ply-tristrips.ply") == Approx(2.0f));
+    const Scene terrain = load(folder / "reports" / "ply-utm.ply");
+    CHECK(triangle_count(terrain) == 3200);
+    CHECK(std::abs(terrain.origin.x) > 1e5);
+    CHECK(bounds(terrain).largest_side() < 1e3f);
+    std::vector<float> heights;
+    for (const auto& t : terrain.groups[0].triangles) {
+        for (const glm::vec3& v : t.vertices) heights.push_back(v.x);
+    }
+    std::sort(heights.begin(), heights.end());
+    CHECK(std::unique(heights.begin(), heights.end()) - heights.begin() ==
+          41);  // columns that are as many as they were
+    CHECK(outcome(folder / "reports" / "huge.off").find("vertex 1 is too far away to be drawn") != std::string::npos);
+    // A cube of 1e19 has the light of one of 1.
+    const auto lit = load(folder / "reports" / "cube-1e19.off").groups[0].triangles;
+    CHECK_FALSE(lit[0].rgba == lit[2].rgba);
 }

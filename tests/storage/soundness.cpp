@@ -131,6 +131,12 @@ TEST_CASE("files whose checksums agree are not believed") {
     CHECK(why([](Damage& d) { d.header.facts.primitive_count -= 1; }) ==
           "is damaged: its order names a primitive that does not exist");
     CHECK(why([](Damage& d) { d.header.facts.root_has_stand_in = 2; }) == "is damaged: a flag has no known meaning");
+    CHECK(why([](Damage& d) { d.header.facts.baked_light = BakedLight(3); }) ==
+          "is damaged: the light of its stand-ins is none");
+    CHECK(why([&](Damage& d) { d.header.facts.light.ambient = infinity; }) ==
+          "is damaged: the light of its stand-ins is none");
+    CHECK(why([](Damage& d) { d.header.facts.light.towards = glm::vec3(0); }) ==
+          "is damaged: the light of its stand-ins is none");
     CHECK(why([](Damage& d) { d.header.facts.root_has_stand_in = 0; }) == "is damaged: stand-ins are out of order");
     CHECK(why([&](Damage& d) { d.header.facts.root.half.y = infinity; }) ==
           "is damaged: the root's cell is not finite");
@@ -153,6 +159,21 @@ TEST_CASE("files whose checksums agree are not believed") {
         }
         CHECK_FALSE(why([&](Damage& d) { d.header.sections[s].offset += 64; }).empty());
     }
+}
+
+TEST_CASE("options that no build takes are refused, too") {
+    const TemporaryDirectory directory;
+    save(built<OctreeOfCubes>(scene(100)), directory / "h");
+    const auto why = [&](auto&& change) {
+        Damage damage{read_file(directory / "h")};
+        change(damage);
+        write_file(directory / "changed", sealed(damage.bytes, damage.header));
+        return refusal(directory / "changed", [](auto& p) { open<OctreeOfCubes>(p); });
+    };
+    CHECK(why([](Damage& d) { d.at(Section::approximation_options, 0) = 77; }) ==
+          "is damaged: ColorCube: samples must be at most 8");
+    CHECK(why([](Damage& d) { d.at(Section::cost_options, 3) = char(0xff); }) ==
+          "is damaged: TriangleCount: prices must be 0 or more and finite");
 }
 
 TEST_CASE("a stand-in whose approximation has no pool is refused too") {

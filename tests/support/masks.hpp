@@ -110,7 +110,7 @@ class BruteForce {
                     color = s.gradient.pixel(float(cx), float(cy));
                 } else if (!s.is_flat) {
                     const Rgba8 corners[3] = {s.colors[0], s.colors[1], s.colors[2]};
-                    color = ColorPlane(s.triangle, s.triangle.doubled_area(), s.is_perspective).at(cx, cy, corners);
+                    color = ColorPlane(s.triangle, s.triangle.doubled_area(), s.color_weight).at(cx, cy, corners);
                 }
                 if (color.a != 255 && !covered_by_hash(x, y, s.hash, color.a)) continue;
                 color.a = 255;

@@ -56,7 +56,7 @@ TEST_CASE("planes have unit normals, and the near one may be missing") {
     for (std::size_t i = 0; i < 4; ++i) CHECK(std::abs(glm::length(glm::vec3(view.planes[i])) - 1) < 1e-6f);
     CHECK(view.planes[4] == glm::vec4(0, 0, 0, 1));
     const LocalView perspective(looking({1, 2, 3}), {}, 4);
-    CHECK(perspective.near_depth == 4 * 0x1p-16f);
+    CHECK(perspective.near_depth == 4 * 0x1p-40f);
     CHECK(perspective.planes[5] == glm::vec4(0, 0, 0, 1));
     View v = looking({1, 2, 3});
     v.camera.far_depth = 5;

@@ -264,6 +264,45 @@ Triangles ground_and_leaves(const GroundOptions& o) {
     return out;
 }
 
+Triangles meadow(const MeadowOptions& o) {
+    require(o.blades > 0, "meadow: blades must be above 0");
+    require_length(o.height, "meadow: height must be positive and finite");
+    require_length(o.cover, "meadow: cover must be positive and finite");
+    Random random(o.seed);
+    // Blades are three quarters as high on average, and half as large as wide and high.
+    const float width = 4 * o.cover / (float(o.blades) * 0.5f * 0.75f * o.height);
+    Triangles out;
+    out.reserve(o.blades);
+    for (std::uint32_t i = 0; i < o.blades; ++i) {
+        const float x = random.between(-1, 1), z = random.between(-1, 1), azimuth = random.between(0, 2 * pi);
+        const float height = o.height * random.between(0.5f, 1);
+        const float over_x = height * random.between(-0.3f, 0.3f), over_z = height * random.between(-0.3f, 0.3f);
+        const vec3 foot(x, 0, z), half = vec3(std::cos(azimuth), 0, std::sin(azimuth)) * (0.5f * width);
+        const float tint = random.between(0.7f, 1.2f);
+        out.push_back({{foot - half, foot + half, foot + vec3(over_x, height, over_z)},
+                       display_color(vec3(0.22f, 0.42f, 0.1f) * tint)});
+    }
+    return out;
+}
+
+Triangles clouds(const CloudsOptions& o) {
+    require(o.clouds > 0 && o.leaves > 0, "clouds: clouds and leaves must be above 0");
+    require_length(o.cover, "clouds: cover must be positive and finite");
+    require_length(o.radius, "clouds: radius must be positive and finite");
+    Triangles out;
+    out.reserve(std::size_t(o.clouds) * o.leaves);
+    for (std::uint32_t i = 0; i < o.clouds; ++i) {
+        const float z = o.clouds == 1 ? 0.0f : 2 * float(i) / float(o.clouds - 1) - 1;
+        const Triangles cloud =
+            lit_leaves({.seed = o.seed + i, .leaves = o.leaves, .cover = o.cover, .contrast = 0.5f});
+        for (Triangle leaf : cloud) {
+            for (vec3& v : leaf.vertices) v = vec3(0, 0, z) + o.radius * v;
+            out.push_back(leaf);
+        }
+    }
+    return out;
+}
+
 std::span<const GalleryEntry> gallery() {
     static constexpr GalleryEntry entries[] = {
         {"slats", "tone", "angle of the slats, 0 to 90 degrees; worst in between"},
@@ -273,6 +312,8 @@ std::span<const GalleryEntry> gallery() {
         {"leaves", "tone", "contrast of the light"},
         {"sheets", "noise", "spacing from 0.25 to 0.25 / 1024"},
         {"ground", "seams", "half side of the plane from 2 to 2048"},
+        {"meadow", "loss", "height of the blades from 0.08 to 0.08 / 16"},
+        {"clouds", "loss", "clouds in a row along the view, 2 to 32"},
     };
     return entries;
 }
@@ -312,6 +353,13 @@ GalleryScene make_gallery(std::string_view name, float severity, std::uint32_t t
         scene.triangles =
             ground_and_leaves({.leaves = {.leaves = triangles - 2}, .half_side = std::exp2(1 + 10 * severity)});
         scene.towards_viewer = from_above;
+    } else if (name == "meadow") {
+        scene.triangles = meadow({.blades = triangles, .height = 0.08f * std::exp2(-4 * severity)});
+        scene.towards_viewer = glm::normalize(vec3(0.2f, 0.35f, 1));
+    } else if (name == "clouds") {
+        const auto count = std::uint32_t(std::exp2(1 + 4 * severity));
+        scene.triangles = clouds({.clouds = count, .leaves = triangles / count});
+        scene.towards_viewer = {0, 0, 1};
     } else {
         std::string known;
         for (const GalleryEntry& entry : gallery()) known += (known.empty() ? "" : ", ") + std::string(entry.name);

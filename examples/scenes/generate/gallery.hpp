@@ -87,6 +87,29 @@ struct GroundOptions {
 };
 std::vector<Triangle> ground_and_leaves(const GroundOptions& options = {});
 
+/// Blades of grass on the square |x|, |z| <= 1 at y = 0, upright but for a third of their height, one triangle each:
+/// cells are far wider than the layer is thick, and most of what they hold is seen edge-on from above.
+struct MeadowOptions {
+    std::uint64_t seed = 1;
+    std::uint32_t blades = 90'000;
+    float height = 0.04f;
+    /// Area of all blades, one side each, in areas of the square: blades are the narrower the more there are.
+    float cover = 0.9f;
+};
+std::vector<Triangle> meadow(const MeadowOptions& options = {});
+
+/// Balls of leaves in a row along z, from -1 to 1. Seen along the row each covers a part of what those before it leave
+/// open: where each covers a fifth, 16 leave 3 %.
+struct CloudsOptions {
+    std::uint64_t seed = 1;
+    std::uint32_t clouds = 16;
+    std::uint32_t leaves = 1'500;  ///< of each
+    /// Area of a cloud's leaves, one side each, in areas of its disk, of which half is seen.
+    float cover = 0.6f;
+    float radius = 0.04f;  ///< of a cloud
+};
+std::vector<Triangle> clouds(const CloudsOptions& options = {});
+
 /// A scene of the gallery with what an experiment needs to know of it.
 struct GalleryScene {
     std::string name;
@@ -99,7 +122,7 @@ struct GalleryScene {
 /// What a name means. Severities run from 0 to 1; where the failure is not monotonic in it, `severity` says so.
 struct GalleryEntry {
     std::string_view name;
-    std::string_view failure;   ///< what it shows: tearing, inflation, tone, noise or seams
+    std::string_view failure;   ///< what it shows: tearing, inflation, tone, noise, seams or loss
     std::string_view severity;  ///< what the parameter changes, from 0 to 1
 };
 
@@ -112,6 +135,8 @@ struct GalleryEntry {
 ///     leaves  tone       contrast of the light
 ///     sheets  noise      spacing from 0.25 down to 0.25 / 1024, by halves at every 0.1
 ///     ground  seams      half side of the plane from 2 to 2048, by doubles at every 0.1
+///     meadow  loss       height of the blades from 0.08 down to 0.08 / 16, by halves at every 0.25
+///     clouds  loss       clouds in a row, 2 to 32, by doubles at every 0.25; the viewer looks along the row
 std::span<const GalleryEntry> gallery();
 
 /// As many triangles as the scene's rules allow, but at most `triangles` (at least half of them). Throws

@@ -249,13 +249,13 @@ double GltfAccessor::number(std::uint64_t element, std::size_t component) const 
 }
 
 std::uint32_t GltfAccessor::index(std::uint64_t element) const {
-    return static_cast<std::uint32_t>(std::max(number(element, 0), 0.0));
+    return static_cast<std::uint32_t>(number(element, 0));
 }
 
 // ---------------------------------------------------------------- the file
 
-GltfFile::GltfFile(const std::filesystem::path& file) : folder_(file.parent_path()) {
-    open(read_file(file));
+GltfFile::GltfFile(const std::string& bytes, std::filesystem::path folder) : folder_(std::move(folder)) {
+    open(bytes);
     const Json* asset = member(json_, "asset");
     const Json* version = asset ? member(*asset, "version") : nullptr;
     if (!version || !version->is_string()) throw std::runtime_error("is not glTF: no asset version");
@@ -264,9 +264,9 @@ GltfFile::GltfFile(const std::filesystem::path& file) : folder_(file.parent_path
 }
 
 /// Section 4.4 has the container of .glb.
-void GltfFile::open(std::string bytes) {
+void GltfFile::open(const std::string& bytes) {
     bytes_read_ = bytes.size();
-    if (bytes.substr(0, 4) != "glTF") {
+    if (bytes.compare(0, 4, "glTF") != 0) {
         if (trimmed(bytes).empty()) throw std::runtime_error("is empty");
         json_ = parsed(bytes);
         return;

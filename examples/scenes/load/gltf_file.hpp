@@ -44,10 +44,14 @@ class GltfAccessor {
   public:
     std::uint64_t count() const { return count_; }
     std::size_t components() const { return components_; }
-    bool is_whole() const { return component_type_ != 5126 && !normalized_; }
+    /// As indices are: whole numbers without a sign.
+    bool is_index() const {
+        return components_ == 1 && !normalized_ &&
+               (component_type_ == 5121 || component_type_ == 5123 || component_type_ == 5125);
+    }
     /// Normalized integers in [0, 1] or [-1, 1]; element < count.
     double number(std::uint64_t element, std::size_t component) const;
-    /// As `number`, of one that is_whole and has unsigned components; 0 for others.
+    /// Of one that is_index.
     std::uint32_t index(std::uint64_t element) const;
 
   private:
@@ -69,7 +73,7 @@ class GltfAccessor {
 /// Reads .gltf and .glb; buffers and images when they are asked for, which may lie in files beside it.
 class GltfFile {
   public:
-    explicit GltfFile(const std::filesystem::path& file);
+    GltfFile(const std::string& bytes, std::filesystem::path folder);
 
     const Json& json() const { return json_; }
     std::size_t count(const char* things) const;
@@ -88,7 +92,7 @@ class GltfFile {
     std::string_view view(const GltfItem& view);
     const std::string& buffer(const GltfItem& buffer);
     std::string at_uri(const std::string& uri, const std::string& where);
-    void open(std::string bytes);
+    void open(const std::string& bytes);
 
     std::filesystem::path folder_;
     Json json_;

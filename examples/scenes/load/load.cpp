@@ -161,7 +161,7 @@ Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
         case Format::obj:
             return detail::read_obj(content, file.parent_path());
         case Format::gltf:
-            return detail::read_gltf(file, options);
+            return detail::read_gltf(content, file.parent_path(), options);
         case Format::pdb:
             return detail::read_pdb(content, options);
         case Format::mmcif:

@@ -16,22 +16,32 @@ struct LoadOptions {
     std::uint64_t sphere_triangle_budget = 1'000'000;
 };
 
-/// By extension, ignoring case; always one group of triangles, colors opaque:
+/// By extension, ignoring case, or by content where the name has none that is known; packed by gzip or not. Always one
+/// group of triangles.
 ///
-///     .off .oogl            Object File Format with all its prefixes, text only; vertex or face colors
-///     .ply                  text and binary; vertex or face colors
-///     .obj .gltf .glb       vertex colors times material color times base-color texture, taken at the
-///     corners .pdb .ent             first model, first alternate location; van der Waals spheres; angstroms
-///     .xyz                  first frame; elements, or numbered types
-///     .dump .lammpstrj      LAMMPS text dump, first frame
-///     .data .lmp            LAMMPS data file
+///     .off .oogl             Object File Format with all its prefixes, text and binary; vertex or face colors;
+///                            lists, instances, quadrilaterals and meshes
+///     .ply                   text and binary; faces, strips and fans; vertex or face colors
+///     .obj                   vertex color times material color times texture, taken at the corners; what has none
+///                            of them is gray
+///     .gltf .glb             the same, of the default scene in the pose of its nodes; drawn from both sides, whatever
+///                            doubleSided says. Only alphaMode BLEND gives colors that are not opaque.
+///     .pdb .ent .cif .mmcif  first model, first alternate location; van der Waals spheres; angstroms
+///     .xyz                   first frame; elements, or numbered types; columns as `Properties` names them
+///     .dump .lammpstrj       LAMMPS text dump, first frame
+///     .data .lmp             LAMMPS data file
+///     .csv                   height field: a table of heights, or columns named x, y and z; y is up
 ///
-/// Polygons in OFF and PLY are cut into fans, so they should be convex. Triangles of no area are kept.
+/// Coordinates are read in double precision. Where single precision would be too coarse for them, the scene has an
+/// origin of its own (Scene::origin); it looks the same near zero and far away. Polygons may be concave and have holes.
+/// Triangles of no area are kept. What a file has and the scene has not (further models, lines, textures that cannot be
+/// read) is said in Scene::notes; what would make it another picture (compressed meshes, extensions that a file
+/// requires) is refused by name.
 ///
-/// Throws std::runtime_error, one line "file: what is wrong", with the line, byte or index where one is
-/// known: unreadable, cut short or contradicting itself, an index out of range, a coordinate that is not
-/// finite, or nothing to draw. No count that a file claims is believed before the file is seen to have room
-/// for it.
+/// Throws std::runtime_error, one line "file: what is wrong", with the line, byte or index where one is known:
+/// unreadable, cut short or contradicting itself, an index out of range, a coordinate that is not finite, a scene
+/// larger than 2^100 or smaller than 2^-100, or nothing to draw. No count that a file claims is believed before the
+/// file is seen to have room for it.
 Scene load(const std::filesystem::path& file, const LoadOptions& options = {});
 
 }  // namespace farfield::scenes

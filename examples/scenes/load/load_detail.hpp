@@ -31,8 +31,8 @@ Loaded read_obj(std::string_view text, const std::filesystem::path& folder);
 Loaded read_height_field(std::string_view text);
 /// More than one number between separators, as the lines of a height field are.
 bool is_row_of_numbers(std::string_view line);
-/// Opens files that lie beside it.
-Loaded read_gltf(const std::filesystem::path& file, const LoadOptions& options);
+/// Buffers and images may lie in files in `folder`.
+Loaded read_gltf(const std::string& bytes, const std::filesystem::path& folder, const LoadOptions& options);
 Loaded read_pdb(std::string_view text, const LoadOptions& options);
 Loaded read_mmcif(std::string_view text, const LoadOptions& options);
 Loaded read_xyz(std::string_view text, const LoadOptions& options);
@@ -133,15 +133,6 @@ inline const glm::dvec3& finite(const glm::dvec3& point, std::string_view kind, 
         throw std::runtime_error(std::string(kind) + ' ' + std::to_string(index) + " is not finite");
     }
     return point;
-}
-
-/// As a vertex; throws "vertex 7 is not finite" or "atom 7 ...".
-inline glm::vec3 finite(double x, double y, double z, std::string_view kind, std::size_t index) {
-    const glm::vec3 v(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
-        throw std::runtime_error(std::string(kind) + ' ' + std::to_string(index) + " is not finite");
-    }
-    return v;
 }
 
 /// Throws if a file of `bytes` cannot hold `count` things of at least `least_bytes` each.

@@ -19,6 +19,9 @@ namespace {
 /// A small file can place a large mesh very often; this many are 4.8 GB.
 constexpr std::uint64_t most_triangles = 100'000'000;
 
+/// Small files unpack to large images; these are 4 GiB.
+constexpr std::uint64_t most_texels = std::uint64_t{1} << 30;
+
 [[noreturn]] void fail(const std::string& where, const std::string& reason) {
     throw std::runtime_error(where + ": " + reason);
 }
@@ -171,11 +174,13 @@ class Materials {
         if (is_new) {
             try {
                 entry->second = decoded(file_.image(*source));
+                texels_ += entry->second.texels.size();
                 if (entry->second.texels.empty()) notes_.insert(source->name + " cannot be read: drawn without it");
             } catch (const std::runtime_error& error) {
                 notes_.insert(std::string(error.what()) + ": drawn without it");
             }
         }
+        if (texels_ > most_texels) throw std::runtime_error("has images of more than 2^30 texels");
         return entry->second.texels.empty() ? nullptr : &entry->second;
     }
 
@@ -196,6 +201,7 @@ class Materials {
     std::set<std::string>& notes_;
     std::map<std::size_t, Surface> surfaces_;
     std::map<std::size_t, Image> images_;
+    std::uint64_t texels_ = 0;  ///< of all images
 };
 
 // ---------------------------------------------------------------- meshes
@@ -260,7 +266,7 @@ class Meshes {
         }
         result.positions = *positions;
         const auto indices = file_.accessor(json, "indices", mesh);
-        if (indices && (indices->components() != 1 || !indices->is_whole())) fail(mesh, "indices have a wrong type");
+        if (indices && !indices->is_index()) fail(mesh, "indices have a wrong type");
         find_triangles(result, whole(json, "mode", 4, mesh), indices ? &*indices : nullptr, room);
         if (result.corners.empty()) return result;
         read_motion(result, json, *attributes);
@@ -461,7 +467,8 @@ class Nodes {
 
 class Collector {
   public:
-    explicit Collector(const std::filesystem::path& file) : file_(file), meshes_(file_, notes_) {}
+    Collector(const std::string& bytes, const std::filesystem::path& folder)
+        : file_(bytes, folder), meshes_(file_, notes_) {}
 
     Loaded collected(const LoadOptions& options) {
         check_extensions(file_.json());
@@ -687,8 +694,8 @@ class Collector {
 
 }  // namespace
 
-Loaded read_gltf(const std::filesystem::path& file, const LoadOptions& options) {
-    return Collector(file).collected(options);
+Loaded read_gltf(const std::string& bytes, const std::filesystem::path& folder, const LoadOptions& options) {
+    return Collector(bytes, folder).collected(options);
 }
 
 }  // namespace farfield::scenes::detail

@@ -57,7 +57,7 @@ std::string read_file(const std::filesystem::path& file) {
     if (!in || !in.read(content.data(), static_cast<std::streamsize>(content.size()))) {
         throw std::runtime_error("cannot be read");
     }
-    return content.compare(0, 2, "\x1f\x8b") == 0 ? unpacked(content) : content;
+    return content.compare(0, 3, "\x1f\x8b\x08") == 0 ? unpacked(content) : content;
 }
 
 }  // namespace farfield::scenes::detail

@@ -47,7 +47,14 @@ struct OpacityTensor {
                                               .merges_octants = true,
                                               .bounds_error = true,
                                               .provides_area_law = true,
-                                              .file_tag = 0x4f540001u};
+                                              .file_tag = 0x4f540002u};
+
+    const char* wrong_option() const {
+        for (const float gain : {sheet_gain, closed_sheet_gain}) {
+            if (!(gain > 0 && std::isfinite(gain))) return "OpacityTensor: gains of sheets must be above 0 and finite";
+        }
+        return nullptr;
+    }
 
     /// Children's masks nest in their parent's.
     bool merges_children() const { return true; }

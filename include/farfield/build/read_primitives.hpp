@@ -60,11 +60,10 @@ void read_primitives(std::span<const P> primitives, const C& cost, HierarchyFact
         const Item item{local_bounds(primitives[i], facts.origin), std::uint32_t(i), cost.cost(work)};
         if (!(item.cost >= 0)) refuse_primitive(i, "has a cost below 0 or NaN");
         facts.bounds.add(item.bounds);
+        if (!facts.bounds.is_finite() || !std::isfinite(4 * facts.bounds.largest_side()))
+            refuse_primitive(i, "makes the scene's extent overflow single precision");
         facts.work += work;
         take(item);
-    }
-    if (!facts.bounds.is_empty() && !(facts.bounds.is_finite() && std::isfinite(4 * facts.bounds.largest_side()))) {
-        detail::fail<std::invalid_argument>("farfield: the scene's extent overflows single precision");
     }
     facts.primitive_count = primitives.size();
     facts.report.primitives = primitives.size();

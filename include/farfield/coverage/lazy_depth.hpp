@@ -83,12 +83,12 @@ class LazyDepth {
             surfaces_.resize(more);  // last: it tells for how many there is room
         }
         surfaces_[surface_count_] = surface;
-        depths_[surface_count_] = surface.depth;
+        depths_[surface_count_] = surface.farthest_depth();
         return surface_count_++;
     }
     void forget_last_surface() { --surface_count_; }
     const Surface& surface(std::uint32_t index) const { return surfaces_[index]; }
-    /// The depth of a surface, kept apart: it is read far more often and is an eighth of the size.
+    /// The farthest depth of a surface, kept apart: it is read far more often and is an eighth of the size.
     const DepthPlane& depth(std::uint32_t index) const { return depths_[index]; }
 
     /// Makes room for this many more calls of add_fragment().

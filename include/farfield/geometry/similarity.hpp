@@ -20,7 +20,7 @@ namespace farfield {
 /// bound would lie. Non-uniform scale is therefore refused, not bounded; bake it into the primitives instead.
 class Similarity {
   public:
-    glm::dvec3 translation{0.0};  ///< builds refuse what is placed at infinity or nowhere
+    glm::dvec3 translation{0.0};  ///< builds and viewers refuse what is not finite
 
     /// The identity.
     Similarity() = default;
@@ -50,6 +50,10 @@ class Similarity {
 
     const glm::mat3& rotation() const { return rotation_; }  ///< orthonormal, determinant +1
     float scale() const { return scale_; }                   ///< above 0
+
+    bool is_finite() const {
+        return std::isfinite(translation.x) && std::isfinite(translation.y) && std::isfinite(translation.z);
+    }
 
     glm::dvec3 apply(glm::dvec3 p) const { return glm::dmat3(rotation_) * p * double(scale_) + translation; }
 

@@ -26,6 +26,7 @@ std::uint64_t contents_of(const Source<P>& source) {
     };
     std::uint64_t hash = source.item_count;
     for (std::uint32_t at = 0; at < source.item_count; ++at) {
+        source.prefetch(at);
         source.polygons(at, [&](const Polygon& polygon) {
             const std::size_t count = polygon.vertices.size(), colors = polygon.colors.size();
             hash = mixed(hash, std::uint64_t(at) << 32 | (count << 1 | std::size_t(colors >= count)));

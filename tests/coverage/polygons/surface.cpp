@@ -24,7 +24,7 @@ Surface random_surface(Random& random, bool is_flat) {
         if (s.triangle.doubled_area() != 0) break;
     }
     s.depth = DepthPlane(s.triangle, s.triangle.doubled_area());
-    s.is_perspective = random.below(2) == 0;
+    s.color_weight = random.below(2) == 0 ? ColorWeight{1, 0} : ColorWeight{0, 1};
     s.is_flat = is_flat;
     s.kind = SurfaceKind::translucent;
     s.hash = std::uint32_t(random.bits());
@@ -33,7 +33,7 @@ Surface random_surface(Random& random, bool is_flat) {
         c.a = std::uint8_t(random.below(256));
     }
     if (is_flat) s.colors.fill(s.colors[0]);
-    s.gradient = ColorGradient(s.triangle, s.colors, s.is_perspective);
+    s.gradient = ColorGradient(s.triangle, s.colors, s.color_weight);
     return s;
 }
 Rgba8 opaque(Rgba8 c) {
@@ -46,7 +46,7 @@ TEST_CASE("a sample's color is the plane's through the corners; alpha is spent",
     for (int i = 0; i < 2000; ++i) {
         const Surface s = random_surface(random, false);
         const Rgba8 corners[3] = {s.colors[0], s.colors[1], s.colors[2]};
-        const ColorPlane plane(s.triangle, s.triangle.doubled_area(), s.is_perspective);
+        const ColorPlane plane(s.triangle, s.triangle.doubled_area(), s.color_weight);
         const int x = int(random.below(80)) - 40, y = int(random.below(80)) - 40;
         CHECK(s.seen_color_at(x, y) == opaque(plane.at(x, y, corners)));
         CHECK(s.seen_color_of_pixel(x, y) == opaque(s.gradient.pixel(float(x) + 4, float(y) + 4)));
@@ -70,7 +70,7 @@ TEST_CASE("hashed samples are those of the z-buffer's hash, alpha of 256 of them
     for (int i = 0; i < 3000; ++i) {
         const Surface s = random_surface(random, i % 2 == 0);
         const Rgba8 corners[3] = {s.colors[0], s.colors[1], s.colors[2]};
-        const ColorPlane plane(s.triangle, s.triangle.doubled_area(), s.is_perspective);
+        const ColorPlane plane(s.triangle, s.triangle.doubled_area(), s.color_weight);
         const int x = 8 * (int(random.below(80)) - 40), y = 8 * (int(random.below(80)) - 40);
         for (const bool shades_samples : {false, true}) {
             const std::uint64_t mask = s.hashed_samples(x, y, shades_samples);

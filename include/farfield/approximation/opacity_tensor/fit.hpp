@@ -170,9 +170,9 @@ class TensorFit {
     struct Seen {
         float covered = 0;  ///< area, each place once
         float samples = 0;  ///< that do not depend on one another; below 1 it tells nothing
-        /// The deviation of a part that is covered.
+        /// The deviation of a part that is covered: of samples that hit or miss, and of rows at the borders.
         float noise(float part) const {
-            return std::sqrt((std::max(part * (1 - part), 0.0f) + 0.5f / samples) / samples);
+            return std::sqrt((std::max(part * (1 - 0.5f * part), 0.0f) + 0.5f / samples) / samples);
         }
     };
 
@@ -234,7 +234,7 @@ class TensorFit {
             // That of the area's logarithm; a tenth is what the shape itself may be off.
             const float noise = seen.noise(part) * slope_of_area(part, s.law) / area;
             targets[count++] = {w, area * outline, 1 / (noise * noise + 0.01f),
-                                part > (is_coherent ? 0.9f : 1 - 3 * sample)};
+                                part > (is_coherent ? 0.9f - 2 * seen.noise(part) : 1 - 3 * sample)};
         }
         // A sheet that stays too small is closed by its gain; leaves may have more than there is, as others have less.
         const float most = is_coherent && !closed_surfaces_ ? 0.0f : 0.7f;

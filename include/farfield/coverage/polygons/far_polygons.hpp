@@ -47,7 +47,8 @@ class FarPolygons {
         const float opacity = float(face.rgba.a) * (1 / 255.0f);
         const glm::vec3 rgb =
             glm::vec3(float(face.rgba.r), float(face.rgba.g), float(face.rgba.b)) * (1.0f / float(face.rgba.a));
-        shade(rgb, opacity, law_of_opacity(opacity), hash_of_triangle(face.lower, face.upper, glm::vec3(face.side)) + projection_.seed);
+        shade(rgb, opacity, law_of_opacity(opacity),
+              hash_of_triangle(face.lower, face.upper, glm::vec3(face.side)) + projection_.seed);
         for_triangles_of(face, projection_, [&](const SnappedTriangle& t, const DepthPlane& plane) {
             polygon_.set_triangle(t);
             polygon_.surface.depth = plane;

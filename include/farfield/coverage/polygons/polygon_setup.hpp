@@ -93,6 +93,10 @@ class PolygonSetup {
         return (halves[0] & halves[1]) == ~std::uint64_t(0);
     }
 
+    /// The numbers of three of a record's corners.
+    using Three = std::array<unsigned, 3>;
+    static constexpr Three first_three{0, 1, 2};
+
     struct Corners {
         std::array<std::int32_t, 4> x, y;
         std::array<float, 4> q;
@@ -105,8 +109,6 @@ class PolygonSetup {
         }
     };
 
-    /// Where depths are compared, it is drawn as the two triangles that a z-buffer takes it for: rounding bends it, and
-    /// one plane for both would meet other polygons elsewhere.
     void draw_quadrilateral(const PolygonRecord& r, const Corners& k, const Rgba8* colors) {
         const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
         const auto [low_y, high_y] = std::minmax({k.y[0], k.y[1], k.y[2], k.y[3]});
@@ -115,7 +117,6 @@ class PolygonSetup {
             draw_triangle(r, k, {0, 1, 2}, colors);
             draw_triangle(r, k, {0, 2, 3}, colors);
         };
-        if (Tile::needs_depth && colors == nullptr) return draw_halves();
         const std::int64_t turns[4] = {k.turn(0, 1, 2), k.turn(1, 2, 3), k.turn(2, 3, 0), k.turn(3, 0, 1)};
         const bool is_clockwise = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0 && turns[3] >= 0;
         const bool is_front = turns[0] <= 0 && turns[1] <= 0 && turns[2] <= 0 && turns[3] <= 0;
@@ -143,16 +144,50 @@ class PolygonSetup {
             shade(r, first_three, is_front, of_half, t);
         }
         if constexpr (Tile::needs_depth) {
-            tile(k.triangle(0, 1, 2));
-            tile(k.triangle(0, 2, 3));
-        } else {
-            tile_(polygon_);
+            set_depth(k, t, one >= other, is_front);
+            // Each half has its own normal.
+            if (light_ != nullptr && colors == nullptr && !is_lit_as(r, {0, 2, 3}, is_front)) return draw_halves();
         }
+        tile_(polygon_);
     }
 
-    /// The numbers of three of a record's corners.
-    using Three = std::array<unsigned, 3>;
-    static constexpr Three first_three{0, 1, 2};
+    /// Sets the surface's depth to bounds of both halves' planes: `larger` is the clockwise one, corners 0, 1 and 2 if
+    /// `is_first`.
+    void set_depth(const Corners& k, const SnappedTriangle& larger, bool is_first, bool is_front) {
+        Surface& s = polygon_.surface;
+        const std::int64_t area = larger.doubled_area();
+        s.depth = DepthPlane(larger, area);
+        const unsigned fourth = is_first ? 3 : 1;
+        s.fold = {0, k.x[fourth], k.y[fourth], k.q[fourth], is_first == is_front};
+        const SnappedTriangle other = s.fold.beyond(larger);
+        const std::int64_t other_area = other.doubled_area();
+        if (other_area == 0) return;
+        s.triangle = larger;
+        const auto [lowest, highest] = std::minmax({k.q[0], k.q[1], k.q[2], k.q[3]});
+        const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
+        const auto [low_y, high_y] = std::minmax({k.y[0], k.y[1], k.y[2], k.y[3]});
+        // What single precision may make of a plane's q anywhere in the box.
+        const float box = 2 * float(high_x - low_x) * float(high_y - low_y),
+                    most = std::max(std::abs(lowest), std::abs(highest));
+        const auto rounding = [&](const SnappedTriangle& t, std::int64_t doubled_area) {
+            const float slopes = std::abs(t.q[1] - t.q[0]) + std::abs(t.q[2] - t.q[0]);
+            return 0x1p-20f * (slopes * (box / float(doubled_area)) + most);
+        };
+        const auto [other_lowest, other_highest] = std::minmax({other.q[0], other.q[1], other.q[2]});
+        const float at_fourth = s.depth.at_corner + s.depth.by_x * (float(s.fold.x - larger.x[0]) * (1.0f / 256)) +
+                                s.depth.by_y * (float(s.fold.y - larger.y[0]) * (1.0f / 256));
+        const float off = std::abs(at_fourth - s.fold.q) + rounding(larger, area) +
+                          std::min(rounding(other, other_area), 0x1p-20f * most + (other_highest - other_lowest));
+        s.depth.lowest = lowest;
+        s.depth.highest = highest;
+        s.depth.at_corner += off;
+        s.fold.thickness = 2 * off;
+    }
+
+    /// Whether those corners of a record of one color get the color that the surface has.
+    bool is_lit_as(const PolygonRecord& r, const Three& of, bool is_front) const {
+        return scaled(r.color, brightness(r, of, is_front)) == polygon_.surface.colors[0];
+    }
 
     void draw_triangle(const PolygonRecord& r, const Corners& k, const Three& of, const Rgba8* colors) {
         SnappedTriangle t = k.triangle(of[0], of[1], of[2]);
@@ -170,19 +205,12 @@ class PolygonSetup {
         const bool is_front = area < 0;  // counter-clockwise, rows running downwards
         if (is_culled(is_front)) return;
         if (is_front) t.flip();
-        shade(r, of, is_front, colors, t);
-        tile_clockwise(t, std::abs(area));
-    }
-
-    /// Tiles a triangle in the shade set last.
-    void tile(SnappedTriangle t) {
-        const std::int64_t area = t.doubled_area();
-        if (area < 0) t.flip();
-        if (area != 0) tile_clockwise(t, std::abs(area));
-    }
-    void tile_clockwise(const SnappedTriangle& t, std::int64_t doubled_area) {
         polygon_.set_triangle(t);
-        if constexpr (Tile::needs_depth) polygon_.surface.depth = DepthPlane(t, doubled_area);
+        if constexpr (Tile::needs_depth) {
+            polygon_.surface.depth = DepthPlane(t, std::abs(area));
+            polygon_.surface.fold.thickness = 0;
+        }
+        shade(r, of, is_front, colors, t);
         tile_(polygon_);
     }
 
@@ -210,15 +238,20 @@ class PolygonSetup {
             s.colors = {colors[0], colors[is_front ? 2 : 1], colors[is_front ? 1 : 2], colors[3]};
             is_opaque = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
         }
-        const auto corner = [&](unsigned c) { return glm::vec3(r.x[of[c]], r.y[of[c]], r.z[of[c]]); };
         s.kind = is_opaque ? SurfaceKind::opaque : SurfaceKind::translucent;
-        if (!is_opaque) s.hash = hash_of_triangle(corner(0), corner(1), corner(2)) + projection_.seed;
+        if (!is_opaque)
+            s.hash = hash_of_triangle(corner(r, of[0]), corner(r, of[1]), corner(r, of[2])) + projection_.seed;
         if (light_ != nullptr) {
-            const glm::vec3 n = normal_to(corner(1) - corner(0), corner(2) - corner(0));
-            const float brightness = light_->brightness(is_front != projection_.is_mirrored ? n : -n);
-            for (Rgba8& c : s.colors) c = scaled(c, brightness);
+            const float lit = brightness(r, of, is_front);
+            for (Rgba8& c : s.colors) c = scaled(c, lit);
         }
         if (colors != nullptr) s.triangle = clockwise;
+    }
+
+    static glm::vec3 corner(const PolygonRecord& r, unsigned c) { return {r.x[c], r.y[c], r.z[c]}; }
+    float brightness(const PolygonRecord& r, const Three& of, bool is_front) const {
+        const glm::vec3 a = corner(r, of[0]), n = normal_to(corner(r, of[1]) - a, corner(r, of[2]) - a);
+        return light_->brightness(is_front != projection_.is_mirrored ? n : -n);
     }
 
     void draw_clipped(const PolygonRecord& r) {

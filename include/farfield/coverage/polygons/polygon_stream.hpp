@@ -39,11 +39,12 @@ class PolygonStream {
         records_.reserve(source.item_count);
         for (std::uint32_t at = 0; at < source.item_count; ++at) {
             first_record_.push_back(std::uint32_t(records_.size()));
+            source.prefetch(at);
             source.polygons(at, [&](const Polygon& polygon) { append(polygon); });
             one_each = one_each && records_.size() == at + 1;
         }
         if (one_each) {
-            first_record_ = {};
+            first_record_ = std::vector<std::uint32_t>();  // not {}, which keeps the memory
         } else {
             first_record_.push_back(std::uint32_t(records_.size()));
         }

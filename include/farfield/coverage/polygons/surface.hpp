@@ -13,6 +13,31 @@
 #include "farfield/raster/shading.hpp"
 #include "farfield/raster/simd.hpp"
 
+namespace farfield::detail {
+
+/// A z-buffer takes a quadrilateral for two triangles, whose planes differ by rounding, or more where it is bent. It is
+/// tiled at once, which takes half as long, with bounds of both planes; samples whose depth decides find their
+/// triangle.
+struct FoldedDepth {
+    float thickness = 0;  ///< between the bounds of q; 0: there is one plane and no fold
+    std::int32_t x = 0, y = 0;
+    float q = 0;              ///< at the fourth corner, beyond the fold of the surface's triangle
+    bool from_first = false;  ///< the fold is the triangle's edge from corner 0 to corner 1, else that from 2 to 0
+
+    /// The other triangle, clockwise, its corners in a z-buffer's order.
+    SnappedTriangle beyond(const SnappedTriangle& t) const {
+        return from_first ? SnappedTriangle{{t.x[0], x, t.x[1]}, {t.y[0], y, t.y[1]}, {t.q[0], q, t.q[1]}}
+                          : SnappedTriangle{{t.x[0], t.x[2], x}, {t.y[0], t.y[2], y}, {t.q[0], t.q[2], q}};
+    }
+    /// 0 or more at samples that belong to the triangle itself, counted from (first_x, first_y).
+    Edge<std::int64_t> edge(const SnappedTriangle& t, int first_x, int first_y) const {
+        return from_first ? Edge<std::int64_t>(t.x[0], t.y[0], t.x[1], t.y[1], first_x, first_y)
+                          : Edge<std::int64_t>(t.x[2], t.y[2], t.x[0], t.y[0], first_x, first_y);
+    }
+};
+
+}  // namespace farfield::detail
+
 namespace farfield {
 
 /// How a surface covers the samples that it lies on. Surface::covers_all() and covers_some() rely on the order.
@@ -26,16 +51,24 @@ enum class SurfaceKind : std::uint8_t {
 
 /// Samples are addressed relative to the image's center sample, as everywhere in raster/.
 struct Surface {
-    detail::DepthPlane depth;
+    detail::DepthPlane depth;            ///< no sample is nearer than it
+    detail::FoldedDepth fold{};          ///< a quadrilateral's
     std::array<Rgba8, 4> colors;         ///< at corners; all the same where it is flat
-    detail::SnappedTriangle triangle{};  ///< the first three corners where it is not flat, clockwise
+    detail::SnappedTriangle triangle{};  ///< three corners where it is not flat, or folded, clockwise
     detail::ColorGradient gradient{};    ///< where it is not flat, once find_gradient() was called
     std::uint32_t hash = 0;              ///< chooses samples of a fraction and of a translucent surface
     SurfaceKind kind = SurfaceKind::opaque;
     bool is_flat = true;  ///< has one color
     detail::ColorWeight color_weight{};
-    Loss loss{};                 ///< a deposit's
-    glm::vec3 far_rgb{0};        ///< a deposit's, in [0, 1], not premultiplied
+    Loss loss{};           ///< a deposit's
+    glm::vec3 far_rgb{0};  ///< a deposit's, in [0, 1], not premultiplied
+
+    /// No sample is farther than this.
+    FARFIELD_INLINE detail::DepthPlane farthest_depth() const {
+        detail::DepthPlane plane = depth;
+        plane.at_corner -= fold.thickness;
+        return plane;
+    }
 
     FARFIELD_INLINE bool covers_all() const { return kind <= SurfaceKind::background; }
     FARFIELD_INLINE bool covers_some() const { return kind >= SurfaceKind::fraction; }

@@ -28,8 +28,9 @@ struct Extremes {
 template <class Target>
 class LazyCells {
   public:
-    LazyCells(Target& target, const DepthPlane* planes, int plane_count)
-        : target_(target), pyramid_(target.pyramid), planes_(planes), plane_count_(plane_count) {}
+    /// `thickness`: how much less than the one plane's its q may be.
+    LazyCells(Target& target, const DepthPlane* planes, int plane_count, float thickness = 0)
+        : target_(target), pyramid_(target.pyramid), planes_(planes), plane_count_(plane_count), thickness_(thickness) {}
 
     /// Keeps the surface, which is about to be drawn; forget() takes that back if nothing of it was.
     void add(const Surface& surface) { index_ = target_.lazy.add(surface); }
@@ -44,7 +45,7 @@ class LazyCells {
     }
     /// The same for one plane and some subcells; also finds the plane's extremes in the cell.
     std::uint64_t behind(std::uint64_t subcells, std::size_t cell, int level, int x, int y, Extremes& extremes) const {
-        find_extremes(*planes_, level, x, y, extremes);
+        find_own_extremes(level, x, y, extremes);
         if (subcells == 0) return all_subcells;
         return MaskKernel::plane_below(extremes.high_rows, extremes.high_columns, planes_->lowest, planes_->highest,
                                        target_.lazy.farthest(cell).q.data());
@@ -52,7 +53,7 @@ class LazyCells {
     /// The same for a few masks of a block.
     std::uint64_t few_behind(std::uint64_t masks, std::size_t block, int x, int y, Extremes& extremes) const {
         const DepthPlane& d = *planes_;
-        find_extremes(d, 1, x, y, extremes);
+        find_own_extremes(1, x, y, extremes);
         const float* farthest = target_.lazy.farthest(block).q.data();
         std::uint64_t behind = 0;
         for (std::uint64_t left = masks; left != 0; left &= left - 1) {
@@ -174,6 +175,11 @@ class LazyCells {
         const int step = 1 << 3 * level;
         extremes.find(d, x * 8 * step + target_.first_x, y * 8 * step + target_.first_y, step);
     }
+    void find_own_extremes(int level, int x, int y, Extremes& extremes) const {
+        find_extremes(*planes_, level, x, y, extremes);
+        if (thickness_ == 0) return;
+        for (float& row : extremes.low_rows) row -= thickness_;
+    }
     void lower(const DepthPlane& d, std::size_t cell, std::uint64_t subcells, const Extremes& extremes) {
         MaskKernel::lower(subcells, extremes.low_rows, extremes.low_columns, d.lowest, d.highest,
                           target_.lazy.farthest(cell).q.data());
@@ -183,6 +189,7 @@ class LazyCells {
     CoveragePyramid& pyramid_;
     const DepthPlane* planes_;
     int plane_count_;
+    float thickness_;
     std::uint32_t index_ = 0;  ///< the surface's
 };
 
@@ -190,7 +197,7 @@ class LazyCells {
 template <class Target>
 class StrictCells {
   public:
-    StrictCells(Target& target, const DepthPlane*, int) : pyramid_(target.pyramid) {}
+    StrictCells(Target& target, const DepthPlane*, int, float = 0) : pyramid_(target.pyramid) {}
 
     void add(const Surface&) {}
     void forget() {}

@@ -20,6 +20,7 @@ class TriangleReader {
         window_.restart(first, index.several_colors());
         const TriangleStream& window = window_;
         for (std::uint32_t at = range.first; at < range.first + range.count; ++at) {
+            source.prefetch(at);
             source.polygons(at, [&](const Polygon& polygon) { window_.add(polygon); });
             if (window.size() < batch) continue;
             const std::uint32_t whole_blocks = window.size() - window.size() % TriangleBlock::lanes;

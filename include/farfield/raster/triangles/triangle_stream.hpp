@@ -32,6 +32,7 @@ class TriangleStream {
         if (keeps_triangles) blocks_.reserve(source.item_count / TriangleBlock::lanes + 1);
         for (std::uint32_t at = 0; at < source.item_count; ++at) {
             first_triangle_.push_back(count_);
+            source.prefetch(at);
             source.polygons(at, [&](const Polygon& polygon) {
                 several_colors = several_colors || has_several_colors(polygon);
                 if (keeps_triangles) {
@@ -43,7 +44,7 @@ class TriangleStream {
             one_each = one_each && count_ == at + 1;
         }
         if (one_each) {
-            first_triangle_ = {};
+            first_triangle_ = std::vector<std::uint32_t>();  // not {}, which keeps the memory
         } else {
             first_triangle_.push_back(count_);
         }
