@@ -130,7 +130,8 @@ concept WithoutPadding = std::is_empty_v<T> || bytes_of_numbers<T>()
 == sizeof(T);
 
 /// Calls f(number) for each, in the order of declaration.
-template <MadeOfNumbers T, class F>
+template <class T, class F>
+requires MadeOfNumbers<std::remove_const_t<T>>
 void for_each_number(T& v, F&& f) {
     using U = std::remove_const_t<T>;
     if constexpr (std::is_empty_v<U>) {

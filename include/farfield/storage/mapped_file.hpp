@@ -23,9 +23,9 @@
 #else
 #define FARFIELD_MAPS_FILES 0
 #include <fstream>
+#endif
 
 #include "farfield/fail.hpp"
-#endif
 
 namespace farfield::detail {
 
