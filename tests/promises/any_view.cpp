@@ -3,9 +3,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "catch.hpp"
@@ -47,7 +46,7 @@ struct Quadrilateral {
 };
 
 template <class R, class H, class P>
-Image picture(const H& h, const std::vector<P>& primitives, const View& view, R renderer = R()) {
+Image picture(const H& h, const std::vector<P>& primitives, const View& view, R&& renderer = R()) {
     auto viewer = make_viewer(h, primitives, renderer);
     viewer.frame(view);
     return renderer.image();
@@ -200,12 +199,13 @@ TEST_CASE("a scene in units of any power of two is drawn alike by every renderer
             INFO("2^" << exponent << (perspective ? ", perspective" : ", orthographic"));
             const View here = view_of(1, perspective), there = view_of(double(unit), perspective);
             const auto same = [&](const auto& renderer) {
-                CHECK(picture(h, triangles, here, renderer) == picture(other, other_triangles, there, renderer));
-                CHECK(picture(bsp, triangles, here, renderer) == picture(other_bsp, other_triangles, there, renderer));
+                CHECK(picture(h, triangles, here, renderer()) == picture(other, other_triangles, there, renderer()));
+                CHECK(picture(bsp, triangles, here, renderer()) ==
+                      picture(other_bsp, other_triangles, there, renderer()));
             };
-            same(ZBufferRenderer({.samples = 4, .light = light}));
-            same(HierarchicalZRenderer({.samples = 4, .light = light}));
-            same(CoverageRenderer({.light = light}));
+            same([&] { return ZBufferRenderer({.samples = 4, .light = light}); });
+            same([&] { return HierarchicalZRenderer({.samples = 4, .light = light}); });
+            same([&] { return CoverageRenderer({.light = light}); });
         }
     }
 }
