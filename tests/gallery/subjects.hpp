@@ -32,10 +32,12 @@ struct Subject {
     }
 };
 
-/// Each scene of the gallery at these severities.
+/// Each scene of the gallery at these severities, but those that show a loss of contents: only tensors promise to keep
+/// them, and errors.cpp holds them to it.
 inline std::vector<Subject> subjects(std::uint32_t triangles, std::initializer_list<float> severities) {
     std::vector<Subject> out;
     for (const scenes::GalleryEntry& entry : scenes::gallery()) {
+        if (entry.failure == "loss") continue;
         for (const float severity : severities) {
             scenes::GalleryScene s = scenes::make_gallery(entry.name, severity, triangles);
             std::string name = s.name + " " + std::to_string(severity).substr(0, 4);

@@ -106,8 +106,7 @@ struct OpacityTensor {
     bool is_sound(const stand_in_data& data) const { return data.is_sound(); }
 
     /// The projected side of the cell, since places within it are lost, and up to as much again for areas that are too
-    /// large or too small, as measured when it was made from directions that nothing was fitted to. A child's error is
-    /// never larger.
+    /// large or too small, as its masks told when it was made. A child's error is never larger.
     float error_px(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
         return view.pixels(cell.largest_side(), view.distance_to(cell)) * (1 + data.error());
     }

@@ -19,7 +19,8 @@ namespace farfield {
 
 /// side x side samples along each axis, at the corners of a grid: sample i lies at lower + i / side of the box's size.
 /// Rows run along the second axis after the viewed one, in cyclic order. As many samples, twice as far apart, look
-/// along the diagonals (1, 1, 1) and (1, 1, -1) of the box, to check a fit to the axes. One bit a sample.
+/// along the diagonals (1, 1, 1) and (1, 1, -1) of the box, so that a fit holds between the axes, too. One bit a
+/// sample.
 class AxisMasks {
   public:
     static constexpr int side = 32;
