@@ -152,7 +152,8 @@ class LazyMasks : protected StrictMasks<Target> {
         }
     }
 
-    /// The depths of a mask's samples, eight in a row, bit by bit those of a z-buffer.
+    /// The depths of a mask's samples, eight in a row, bit by bit those of a z-buffer. They are set in place: where
+    /// vectors are wider than the target's, g++ warns of functions that return them.
     class MaskDepths {
         using EightFloats = MaskKernel::EightFloats;
         using EightInts = MaskKernel::EightInts;
@@ -161,7 +162,6 @@ class LazyMasks : protected StrictMasks<Target> {
         MaskDepths(const Surface& surface, int x, int y) : y_(y), planes_{surface.depth, {}} {
             if (surface.fold.thickness != 0) [[unlikely]]
                 unfold(surface, x, y);
-            // Sets them in place: g++ warns of functions that return vectors wider than the target's.
             const auto set_columns = [&](unsigned plane) {
                 const DepthPlane& d = planes_[plane];
                 columns_[plane] = d.by_x * (EightFloats{0, 1, 2, 3, 4, 5, 6, 7} + float(x) + d.base_x);
@@ -169,20 +169,22 @@ class LazyMasks : protected StrictMasks<Target> {
             set_columns(0);
             if (first_ != all_subcells) set_columns(1);
         }
-        EightFloats row(int j) const {
-            const EightFloats q = row(0, j);
-            if (first_ == all_subcells) return q;
+        void set_row(int j, EightFloats& q) const {
+            set_row(0, j, q);
+            if (first_ == all_subcells) return;
             EightInts is_first;
             MaskKernel::lanes_of(unsigned(first_ >> (8 * j) & 255), is_first);
-            return is_first ? q : row(1, j);
+            EightFloats other;
+            set_row(1, j, other);
+            q = is_first ? q : other;
         }
 
       private:
-        EightFloats row(std::size_t plane, int j) const {
+        void set_row(std::size_t plane, int j, EightFloats& q) const {
             const DepthPlane& d = planes_[plane];
-            EightFloats q = d.row(y_ + j) + columns_[plane];
+            q = d.row(y_ + j) + columns_[plane];
             q = q < d.lowest ? EightFloats{} + d.lowest : q;
-            return q > d.highest ? EightFloats{} + d.highest : q;
+            q = q > d.highest ? EightFloats{} + d.highest : q;
         }
 
         /// Finds the planes on either side of a fold, and the samples that lie on the first one's.
@@ -243,7 +245,8 @@ class LazyMasks : protected StrictMasks<Target> {
             __builtin_memcpy(&depth, depths, sizeof depth);
             __builtin_memcpy(&color, colors.data(), sizeof color);
             __builtin_memcpy(&old, seen, sizeof old);
-            const EightFloats q = depths_of_mask.row(j);
+            EightFloats q;
+            depths_of_mask.set_row(j, q);
             const EightInts takes = is_wanted & (is_open | (q > depth) | ((q == depth) & (color > old)));
             depth = takes ? q : depth;
             old = takes ? color : old;
