@@ -30,10 +30,7 @@ template <class Target>
 class StrictMasks {
   protected:
     StrictMasks(Target& target, Surface& surface)
-        : target_(target),
-          pyramid_(target.pyramid),
-          surface_(surface),
-          depths_(target, &surface.depth, 1, surface.fold.thickness) {}
+        : target_(target), pyramid_(target.pyramid), surface_(surface), depths_(target, &surface.depth, 1, surface.fold.thickness) {}
 
     std::uint64_t covered(unsigned k) const { return block_.masks[k]; }
     bool tile_overlap(unsigned, std::uint64_t, std::uint64_t, bool) { return false; }
@@ -152,59 +149,21 @@ class LazyMasks : protected StrictMasks<Target> {
         }
     }
 
-    /// The depths of a mask's samples, eight in a row, bit by bit those of a z-buffer.
-    class MaskDepths {
-        using EightFloats = MaskKernel::EightFloats;
-        using EightInts = MaskKernel::EightInts;
+    /// Depths of samples on either side of a fold.
+    struct FoldedRows {
+        std::array<DepthPlane, 2> planes;
+        Edge<std::int64_t> fold{0, 0, 0, 0, 0, 0};
 
-      public:
-        MaskDepths(const Surface& surface, int x, int y) : y_(y), planes_{surface.depth, {}} {
-            if (surface.fold.thickness != 0) [[unlikely]]
-                unfold(surface, x, y);
-            const auto columns = [&](const DepthPlane& d) {
-                return d.by_x * (EightFloats{0, 1, 2, 3, 4, 5, 6, 7} + float(x) + d.base_x);
-            };
-            columns_[0] = columns(planes_[0]);
-            if (first_ != all_subcells) columns_[1] = columns(planes_[1]);
+        FoldedRows(const Surface& surface, bool is_folded, int x, int y) {
+            if (!is_folded) return;
+            const SnappedTriangle &t = surface.triangle, other = surface.fold.beyond(t);
+            planes = {DepthPlane(t, t.doubled_area()), DepthPlane(other, other.doubled_area())};
+            fold = surface.fold.edge(t, x, y);
         }
-        EightFloats row(int j) const {
-            const EightFloats q = row(0, j);
-            if (first_ == all_subcells) return q;
-            EightInts is_first;
-            MaskKernel::lanes_of(unsigned(first_ >> (8 * j) & 255), is_first);
-            return is_first ? q : row(1, j);
+        float at(int x, int y, int i, int j) const {
+            const DepthPlane& d = planes[fold.value + i * fold.by_x + j * fold.by_y >= 0 ? 0 : 1];
+            return d.at(d.row(y + j), x + i);
         }
-
-      private:
-        EightFloats row(std::size_t plane, int j) const {
-            const DepthPlane& d = planes_[plane];
-            EightFloats q = d.row(y_ + j) + columns_[plane];
-            q = q < d.lowest ? EightFloats{} + d.lowest : q;
-            return q > d.highest ? EightFloats{} + d.highest : q;
-        }
-
-        /// Finds the planes on either side of a fold, and the samples that lie on the first one's.
-        [[gnu::noinline]] void unfold(const Surface& surface, int x, int y) {
-            const SnappedTriangle& t = surface.triangle;
-            const auto fold = surface.fold.edge(t, x, y);
-            const std::int64_t across = 7 * fold.by_x, down = 7 * fold.by_y;
-            const bool has_first = std::max({fold.value, fold.value + across, fold.value + down,
-                                             fold.value + across + down}) >= 0,
-                       has_other = std::min({fold.value, fold.value + across, fold.value + down,
-                                             fold.value + across + down}) < 0;
-            const SnappedTriangle other = surface.fold.beyond(t);
-            if (has_first) planes_[0] = DepthPlane(t, t.doubled_area());
-            if (has_other) planes_[has_first ? 1 : 0] = DepthPlane(other, other.doubled_area());
-            if (!(has_first && has_other)) return;
-            for (unsigned k = 0; k < 64; ++k) {
-                if (fold.value + fold.by_x * int(k % 8) + fold.by_y * int(k / 8) < 0) first_ &= ~bit_of(k);
-            }
-        }
-
-        int y_;
-        std::array<DepthPlane, 2> planes_;
-        EightFloats columns_[2];
-        std::uint64_t first_ = all_subcells;
     };
 
     /// Draws as ZBufferRenderer does: the nearer wins, of two at the same depth the larger color. Returns what it drew.
@@ -215,11 +174,14 @@ class LazyMasks : protected StrictMasks<Target> {
         using EightWords = MaskKernel::EightWords;
         const int x = block_.sample_x_of(k), y = block_.sample_y_of(k);
         std::array<Rgba8, 8> colors;
+        const EightFloats columns =
+            surface.depth.by_x * (EightFloats{0, 1, 2, 3, 4, 5, 6, 7} + float(x) + surface.depth.base_x);
         constexpr bool shades_samples = Target::samples_type::shades_samples;
         const bool has_deposits = (target_.samples.deposited(block_) >> k & 1) != 0;
         const Rgba8 of_pixel = target_.samples.color_of(block_, k, surface);
         colors.fill(of_pixel);
-        const MaskDepths depths_of_mask(surface, x, y);
+        const bool is_folded = surface.fold.thickness != 0;
+        const FoldedRows folded(surface, is_folded, x, y);
         std::uint64_t drawn = 0;
         for (int j = 0; j < 8; ++j) {
             const auto wanted = unsigned(inside >> (8 * j) & 255);
@@ -241,7 +203,12 @@ class LazyMasks : protected StrictMasks<Target> {
             __builtin_memcpy(&depth, depths, sizeof depth);
             __builtin_memcpy(&color, colors.data(), sizeof color);
             __builtin_memcpy(&old, seen, sizeof old);
-            const EightFloats q = depths_of_mask.row(j);
+            EightFloats q = surface.depth.row(y + j) + columns;
+            q = q < surface.depth.lowest ? MaskKernel::EightFloats{} + surface.depth.lowest : q;
+            q = q > surface.depth.highest ? MaskKernel::EightFloats{} + surface.depth.highest : q;
+            if (is_folded) {
+                for (int i = 0; i < 8; ++i) q[i] = folded.at(x, y, i, j);
+            }
             const EightInts takes = is_wanted & (is_open | (q > depth) | ((q == depth) & (color > old)));
             depth = takes ? q : depth;
             old = takes ? color : old;
