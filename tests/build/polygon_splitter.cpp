@@ -10,9 +10,6 @@
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/primitive/triangle.hpp"
-#include "farfield/renderer/coverage_renderer.hpp"
-#include "farfield/renderer/z_buffer_renderer.hpp"
-#include "farfield/viewer.hpp"
 #include "support/scenes.hpp"
 
 using namespace farfield;
@@ -169,47 +166,4 @@ TEST_CASE("parts that are split by themselves share what pieces there may be, th
                      std::span<const std::uint32_t>(parallel.data.order)));
     CHECK(same_bytes(std::span<const glm::vec3>(serial.data.fragments.vertices),
                      std::span<const glm::vec3>(parallel.data.fragments.vertices)));
-}
-
-TEST_CASE("what is cut no further is drawn all the same, and refused with advice where order is needed") {
-    const Triangles crossing = random_triangles(60, 756, 2.0f);
-    const PolygonBsp partition;
-    const TriangleCount cost;
-    const GridSampler sampler;
-    const AnyExecutor executor;
-    const ProgressCallback progress;
-    const BuildControl control(executor, progress);
-    const auto within = [&](std::uint64_t pieces) {
-        const Exact exact;
-        return Bsp(
-            partition, exact, cost,
-            HierarchyBuilder<Bsp, Triangle, GridSampler>(crossing, partition, exact, cost, sampler,
-                                                         {.pieces_per_polygon = 1, .free_pieces = pieces}, control)
-                .build());
-    };
-    const Bsp all = within(1 << 20), some = within(100);
-    REQUIRE(all.keeps_strict_order());
-    CHECK(some.report().cells_over_piece_budget > 0);
-    CHECK_FALSE(some.keeps_strict_order());
-    const std::span<const Triangle> triangles(crossing);
-    StrictCoverageRenderer strict;
-    CHECK_NOTHROW(make_viewer(all, triangles, strict));
-    CHECK_THROWS_WITH(make_viewer(some, triangles, strict), Catch::Contains("most_pieces_per_polygon"));
-    const auto picture = [&](const Bsp& h) {
-        ZBufferRenderer renderer;
-        auto viewer = make_viewer(h, triangles, renderer);
-        viewer.frame({.camera = Camera::perspective({0.3, 0.4, 6}, {0, 0, 0}, {0, 1, 0}, 0.8f),
-                      .width = 96,
-                      .height = 96,
-                      .tolerance_px = 0});
-        return renderer.image();
-    };
-    const Image a = picture(all), b = picture(some);
-    std::size_t different = 0, covered = 0;
-    for (std::size_t i = 0; i < a.pixels().size(); ++i) {
-        different += a.pixels()[i] != b.pixels()[i];
-        covered += b.pixels()[i].a != 0;
-    }
-    CHECK(covered > 1000);
-    CHECK(different < covered / 50);  // where pieces that are cut more often are rounded otherwise
 }
