@@ -248,7 +248,7 @@ TEST_CASE("packed files are unpacked", "[scenes][load]") {
 }
 
 TEST_CASE("numbers beyond what a double holds are large or small, as they are written", "[scenes][load]") {
-    using detail::number;
+    using scenes::detail::number;
     CHECK(number<double>("1e999") == std::numeric_limits<double>::infinity());
     CHECK(number<double>("-1e999") == -std::numeric_limits<double>::infinity());
     CHECK(number<double>("1e-999") == 0.0);

@@ -85,7 +85,7 @@ TEST_CASE("a vertex that no face names has no say in where the origin is", "[sce
 }
 
 TEST_CASE("the origin is zero as long as single precision is fine enough there", "[scenes][load]") {
-    using detail::origin_of;
+    using scenes::detail::origin_of;
     CHECK(origin_of({{-1, -1, -1}, {1, 1, 1}}) == glm::dvec3(0.0));
     CHECK(origin_of({{14, 0, 0}, {15, 1, 1}}) == glm::dvec3(0.0));
     CHECK(origin_of({{17, 0, 0}, {18, 1, 1}}) == glm::dvec3(17, 0, 0));

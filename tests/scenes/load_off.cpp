@@ -98,10 +98,10 @@ TEST_CASE("OFF: binary, as the manual has it and as others write it", "[scenes][
         }
         return bytes;
     };
-    const std::vector<std::variant<int, float>> square{4,   2,   0,   0.f, 0.f, 0.f, 1.f, 0.f,
-                                                       0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.5f};
+    const std::vector<std::variant<int, float>> four_corners{4,   2,   0,   0.f, 0.f, 0.f, 1.f, 0.f,
+                                                             0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.5f};
     const auto with = [&](std::vector<std::variant<int, float>> faces) {
-        faces.insert(faces.begin(), square.begin(), square.end());
+        faces.insert(faces.begin(), four_corners.begin(), four_corners.end());
         return faces;
     };
     for (const bool big : {true, false}) {
