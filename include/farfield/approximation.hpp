@@ -21,6 +21,8 @@
 // Facts announce whatever else it has, and make it required.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <concepts>
 #include <cstdint>

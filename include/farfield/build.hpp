@@ -3,6 +3,8 @@
 //     const auto hierarchy = build<H>(triangles, {.approximation = {.samples = 8}, .executor = ThreadExecutor()});
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <concepts>
 #include <cstdint>
 #include <functional>
@@ -58,11 +60,10 @@ typename H::Data build_data(std::span<const P> primitives, const BuildOptions<H,
     check_options(options.approximation);
     check_options(options.cost_model);
     check_options(options.sampler);
-    auto data =
-        HierarchyBuilder<H, P, Sampler>(primitives, options.partition, options.approximation, options.cost_model,
-                                        options.sampler,
-                                        {options.memory_budget_bytes, options.most_pieces_per_polygon}, control)
-            .build();
+    auto data = HierarchyBuilder<H, P, Sampler>(primitives, options.partition, options.approximation,
+                                                options.cost_model, options.sampler,
+                                                {options.memory_budget_bytes, options.most_pieces_per_polygon}, control)
+                    .build();
     if constexpr (H::approximation_type::facts.stands_in && TellsItsLight<Sampler>) {
         const std::optional<DirectionalLight> light = options.sampler.light;
         data.facts.baked_light = light ? BakedLight::directional : BakedLight::none;

@@ -1,6 +1,8 @@
 // Where a picture is taken from: position, axes, and how much is seen.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <cstdint>
 #include <glm/fwd.hpp>

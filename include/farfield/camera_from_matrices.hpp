@@ -6,6 +6,8 @@
 // view space looks along -z or +z, whose world is then left-handed for the library and `right` its opposite.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>

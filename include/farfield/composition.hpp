@@ -6,6 +6,8 @@
 // the same way.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <concepts>
 #include <cstdint>
 #include <span>

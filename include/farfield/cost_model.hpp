@@ -2,6 +2,8 @@
 // policies.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <concepts>
 #include <cstdint>
 #include <limits>

@@ -1,6 +1,8 @@
 // A renderer is handed these: ranges of primitives, the source they come from, and what stands in for a cell.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>

@@ -1,6 +1,8 @@
 // Who runs the independent steps of a build: one thread or many. The only header that starts any.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <cstddef>

@@ -1,6 +1,8 @@
 // What the library does where it cannot go on: it throws, or tells the hook of a program without exceptions.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <exception>
 #include <utility>
 

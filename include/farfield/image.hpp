@@ -1,6 +1,8 @@
 // A picture in memory, which the software renderers make and measure/ compares.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <span>
 #include <stdexcept>

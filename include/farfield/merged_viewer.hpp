@@ -13,6 +13,8 @@
 // meet nothing are drawn as a Viewer draws them.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

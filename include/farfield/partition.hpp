@@ -4,6 +4,8 @@
 // a misspelt hook does not compile instead of drawing nothing.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <concepts>
 #include <cstdint>
 #include <glm/vec4.hpp>

@@ -10,6 +10,8 @@
 //   visit_instance(f)-> bool              f(instance) and true if it is an Instance (instance.hpp), else false
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <concepts>
 #include <cstdint>
 #include <glm/vec3.hpp>

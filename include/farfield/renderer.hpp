@@ -2,6 +2,8 @@
 // answers about occlusion where the renderer's facts say so.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <concepts>
 #include <cstdint>
 #include <memory>

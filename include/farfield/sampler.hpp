@@ -5,6 +5,8 @@
 // modeling OrthographicSampler; GridSampler (sampler/grid_sampler.hpp) is the one built in.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <concepts>
 #include <cstddef>
 #include <glm/vec3.hpp>

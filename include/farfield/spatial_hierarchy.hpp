@@ -5,6 +5,8 @@
 // Graphics Interface 1996, and Technical Report UW-CSE-95-05-02 of 1995.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>

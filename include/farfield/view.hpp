@@ -1,6 +1,8 @@
 // The viewer, the picture's size and its tolerance: everything that a user says once a frame.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <cstdint>
 #include <glm/vec2.hpp>

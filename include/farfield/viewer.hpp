@@ -4,6 +4,8 @@
 // instead (frame/selection.hpp), and draw() draws what was kept.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>

@@ -1,6 +1,8 @@
 // Faces of a cell's box: the visible ones, how large they look, and the splat that stands for them from afar.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cmath>
 #include <cstddef>

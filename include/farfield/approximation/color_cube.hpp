@@ -1,6 +1,8 @@
 // A cube with a color and an opacity on each of its six faces (Chamberlain et al. 1996; their 1995 form is an option).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

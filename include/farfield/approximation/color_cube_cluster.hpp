@@ -1,6 +1,8 @@
 // K x K x K color cubes in each cell, kept as six lists of faces (Chamberlain et al. 1995, sections 4.2 and 6.2).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

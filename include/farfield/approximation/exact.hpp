@@ -1,6 +1,8 @@
 // No approximation: every primitive in the frustum is drawn. The reference that the others are measured against.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include "farfield/approximation.hpp"
 
 namespace farfield {

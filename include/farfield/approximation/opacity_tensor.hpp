@@ -7,6 +7,8 @@
 // Heitz et al. 2015 ("SGGX"). Sums are merged by adding them; only stored tensors are rescaled.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

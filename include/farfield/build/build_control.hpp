@@ -1,6 +1,8 @@
 // Who runs a build's independent steps, and who is told how far it has come.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,8 @@
 // A cell between the phases of a build.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>

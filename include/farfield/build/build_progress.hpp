@@ -1,6 +1,8 @@
 // A build says how far it has come, and can be stopped.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>

@@ -2,6 +2,8 @@
 // depends on the levels above alone and never on which thread was faster.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -4,6 +4,8 @@
 // -> freeze. Only freezing makes runs: policies may still move items before it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

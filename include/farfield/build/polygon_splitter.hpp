@@ -3,6 +3,8 @@
 // smaller one by itself, on any number of threads, put together in order.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,8 @@
 // Cells of a partition that cuts, from one of them on down: the serial part of polygon_splitter.hpp.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -3,6 +3,8 @@
 // neither are children that are of no other use.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -2,6 +2,8 @@
 // quadrilateral made one polygon again, for a polygon costs a renderer about the same whatever its number of edges.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

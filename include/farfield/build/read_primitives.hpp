@@ -1,6 +1,8 @@
 // Before a build divides the scene it learns what holds for the whole, and refuses primitives that cannot be drawn.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

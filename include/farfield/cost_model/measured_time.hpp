@@ -1,6 +1,8 @@
 // Work counted in nanoseconds of this machine and renderer (Shade et al. 1996, section 3.3).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 #include <initializer_list>
 

@@ -2,6 +2,8 @@
 // same from then on.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <charconv>

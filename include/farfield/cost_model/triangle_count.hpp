@@ -1,6 +1,8 @@
 // Work counted in triangles (Chamberlain et al. 1996, section 4). It needs no clock: builds are the same anywhere.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 #include <initializer_list>
 

@@ -2,6 +2,8 @@
 // C and V bits for each subcell in the triage masks" (Greene 1996, section 4.1 and figure 2).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

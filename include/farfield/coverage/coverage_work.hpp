@@ -1,6 +1,8 @@
 // Measures the work of tiling: cells of the pyramid visited, as a number or as a picture.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

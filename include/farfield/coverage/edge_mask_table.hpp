@@ -2,6 +2,8 @@
 // 3, 4.2 and 9). Exact masks are faster on today's machines and lose nothing; they are compared with this.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <bit>
 #include <cstddef>

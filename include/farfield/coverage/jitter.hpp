@@ -4,6 +4,8 @@
 // Graphics 5(1), 1986).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -3,6 +3,8 @@
 // front to back.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>

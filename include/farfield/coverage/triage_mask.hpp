@@ -2,6 +2,8 @@
 // section 3 and figure 1).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 
 namespace farfield {

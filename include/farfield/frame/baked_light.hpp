@@ -2,6 +2,8 @@
 // light.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>

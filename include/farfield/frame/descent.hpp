@@ -13,6 +13,8 @@
 // makes near geometry as cheap as without a hierarchy.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

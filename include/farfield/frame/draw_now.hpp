@@ -1,6 +1,8 @@
 // This sink of a descent, or of a selection, draws at once.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>

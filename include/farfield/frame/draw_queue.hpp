@@ -1,6 +1,8 @@
 // Whatever a descent wants drawn waits here, and is handed to the renderer in batches.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>

@@ -1,6 +1,8 @@
 // Instances that a descent has met and not drawn yet: their stand-ins must come after those of what lies before them.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

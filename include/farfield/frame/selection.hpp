@@ -2,6 +2,8 @@
 // drawn by another renderer.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,8 @@
 // A viewer keeps this of each hierarchy that it may meet: the outermost one and those of instances.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

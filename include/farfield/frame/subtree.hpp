@@ -1,6 +1,8 @@
 // A node as a descent meets it, with what follows from the way down: nodes themselves are 16 bytes and know none of it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>

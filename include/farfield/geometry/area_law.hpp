@@ -15,6 +15,8 @@
 // Things of different laws do depend on their order, by less than the product of their areas.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 
 namespace farfield {

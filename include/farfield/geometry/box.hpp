@@ -1,6 +1,8 @@
 // Axis-aligned boxes, in single precision for everything inside a hierarchy and in double for all that users bring.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>

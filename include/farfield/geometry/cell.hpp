@@ -1,6 +1,8 @@
 // A cell of a partition. Cells are not stored but computed at every descent.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <cstdint>
 #include <glm/common.hpp>

@@ -1,6 +1,8 @@
 // The contents of a cell as a partition that cuts sees them: convex polygons, and instances, which are never cut.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>

@@ -1,6 +1,8 @@
 // Convex polygons cut by planes, so that polygons that share an edge get the same point of it, bit by bit.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,8 @@
 // The part of a triangle inside a box (Sutherland and Hodgman 1974), for sums of areas cell by cell.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cstddef>
 #include <glm/vec3.hpp>

@@ -1,6 +1,8 @@
 // The convex pieces, one for each position, that polygons become in a hierarchy whose partition cuts them.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>

@@ -1,6 +1,8 @@
 // Sizes that are halved at every level of a hierarchy.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cstdint>

@@ -5,6 +5,8 @@
 // by a power of two first, which rounds nothing: what is in range already gives the same bits with and without.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

@@ -1,6 +1,8 @@
 // A directional light on surfaces that are lit on the side that faces it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>

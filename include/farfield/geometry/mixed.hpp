@@ -1,6 +1,8 @@
 // The step of every hash that tells things apart: spans of primitives, paths of instances, what was uploaded.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 
 namespace farfield::detail {

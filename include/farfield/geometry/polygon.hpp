@@ -1,6 +1,8 @@
 // Convex polygons, which primitives are tessellated into: seen as spans, never owned.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>

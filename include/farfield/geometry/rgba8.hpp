@@ -1,6 +1,8 @@
 // Colors of eight bits a channel. Alpha is not premultiplied unless a comment says so where one is used.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 #include <glm/vec4.hpp>
 

@@ -1,6 +1,8 @@
 // Placing one hierarchy inside another: rotation, uniform scale, translation.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>

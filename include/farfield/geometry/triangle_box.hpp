@@ -1,6 +1,8 @@
 // Does a triangle touch a box? By separating axes (Akenine-Moller 2001).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>

@@ -1,6 +1,8 @@
 // Orders in which the parts of a scene are visited, and how strict they are.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cstdint>
 

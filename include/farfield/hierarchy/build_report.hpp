@@ -1,6 +1,8 @@
 // A build says what it did.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 
 namespace farfield {

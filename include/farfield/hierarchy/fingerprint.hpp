@@ -1,6 +1,8 @@
 // Telling spans of primitives apart by a hash.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <bit>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,8 @@
 // A hierarchy is made of facts, which are one record, and arrays. All of it is built, stored and opened alike.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>

@@ -1,6 +1,8 @@
 // A hierarchy is an array of nodes. Beside them stand the numbers that a frame and a build must agree on.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 
 #include "farfield/geometry/halvings.hpp"

@@ -6,6 +6,8 @@
 // of an estimator's error, the first relative to the quantity estimated.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -2,6 +2,8 @@
 // show. Where levels of detail are swapped it gathers in a few frames, the pops.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

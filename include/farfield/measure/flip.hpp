@@ -6,6 +6,8 @@
 // compared in a space of colors made to be compared, and the difference raised where edges or points came or went.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

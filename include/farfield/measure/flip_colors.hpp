@@ -1,6 +1,8 @@
 // The colors of FLIP and how far apart they are; see flip.hpp for the paper.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

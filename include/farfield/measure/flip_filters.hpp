@@ -1,6 +1,8 @@
 // The filters of FLIP; see flip.hpp for the paper.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -4,6 +4,8 @@
 // A New Look at Signal Fidelity Measures", IEEE Signal Processing Magazine 26(1), 2009.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -1,6 +1,8 @@
 // The part of two pictures that is compared.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <optional>
 #include <stdexcept>

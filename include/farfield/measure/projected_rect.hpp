@@ -1,6 +1,8 @@
 // The place of an object in the picture, so that errors are those of the object and not of the empty picture around it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

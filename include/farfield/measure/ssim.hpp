@@ -7,6 +7,8 @@
 // pixel that somebody looks at.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

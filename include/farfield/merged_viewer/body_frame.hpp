@@ -1,6 +1,8 @@
 // A moving body as one frame sees it, and its planes in the coordinates of other bodies.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -15,8 +17,8 @@
 
 namespace farfield::detail {
 
-/// Bodies meet in the camera's coordinates, by the numbers that a renderer projects with: the anchor and axes of each body
-/// are rounded to single precision separately, and planes must lie where the picture shows them.
+/// Bodies meet in the camera's coordinates, by the numbers that a renderer projects with: the anchor and axes of each
+/// body are rounded to single precision separately, and planes must lie where the picture shows them.
 class BodyFrame {
   public:
     explicit BodyFrame(const LocalView& view)

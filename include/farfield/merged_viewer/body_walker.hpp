@@ -1,6 +1,8 @@
 // Draws a body's subtree, whole or cut by planes, as a Viewer would draw it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>

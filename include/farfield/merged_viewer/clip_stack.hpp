@@ -1,6 +1,8 @@
 // Planes that cut a subtree, found at its root and used at its leaves.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,8 @@
 // Polygons made for one frame, on their way to a renderer.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>

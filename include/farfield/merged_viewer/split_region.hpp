@@ -1,6 +1,8 @@
 // Parts of several bodies in one region of space, and the plane that divides them best.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -1,6 +1,8 @@
 // One partition in the leaves of another: "an octree of BSP trees" (Greene 1996, section 5.1).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>

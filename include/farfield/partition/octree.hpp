@@ -2,6 +2,8 @@
 // section 4.1).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cstdint>

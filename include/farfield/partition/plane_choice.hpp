@@ -1,6 +1,8 @@
 // The plane that cuts a cell of polygons: of a few dozen candidates one that cuts little and divides evenly.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

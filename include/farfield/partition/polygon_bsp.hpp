@@ -1,6 +1,8 @@
 // Binary space partitioning (Fuchs, Kedem and Naylor 1980), which Greene 1996, section 4 draws from front to back.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

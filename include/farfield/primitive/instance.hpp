@@ -1,6 +1,8 @@
 // A hierarchy under a transform is a primitive: scenes larger than memory by repetition, to any depth.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>

@@ -1,6 +1,8 @@
 // Two ready-made primitives, which also show how a type of your own plugs in by members (see primitive.hpp).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>

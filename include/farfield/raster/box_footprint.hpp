@@ -1,6 +1,8 @@
 // Where on the screen can something inside a box be, and how near?
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>

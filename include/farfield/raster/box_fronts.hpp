@@ -1,6 +1,8 @@
 // How near can the contents of a box be, sample by sample?
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

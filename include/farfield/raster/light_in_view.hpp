@@ -1,6 +1,8 @@
 // Gives a light of the outermost hierarchy in the axes of the instances inside it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <optional>

@@ -1,6 +1,8 @@
 // What buffers were made for, known only once all of them were.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <optional>
 
 namespace farfield::detail {

@@ -1,6 +1,8 @@
 // Clips convex polygons that cross the near plane or lie far off the screen.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

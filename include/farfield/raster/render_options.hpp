@@ -1,6 +1,8 @@
 // The options of renderers with a z-buffer.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <optional>
 
 #include "farfield/geometry/light.hpp"

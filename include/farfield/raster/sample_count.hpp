@@ -1,6 +1,8 @@
 // How many samples an image has.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <stdexcept>
 #include <string>
 

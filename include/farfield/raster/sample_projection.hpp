@@ -1,6 +1,8 @@
 // Projects a hierarchy's coordinates onto the grid of samples.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

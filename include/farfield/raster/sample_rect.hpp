@@ -1,6 +1,8 @@
 // A rectangle of samples.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <limits>
 

@@ -1,6 +1,8 @@
 // Which samples does a triangle cover? Exact, in integers: triangles that share an edge cover each sample once.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,6 +1,8 @@
 // The color that a covered sample gets, and whether a translucent triangle covers it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <bit>
 #include <cstdint>
 #include <glm/vec3.hpp>

@@ -5,6 +5,8 @@
 // between FARFIELD_BEGIN_..._LANES and FARFIELD_END_LANES, which exist on x86-64 only.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 
 namespace farfield {

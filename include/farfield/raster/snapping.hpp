@@ -1,6 +1,8 @@
 // Snaps coordinates to 1/256 sample; coverage is exact from there on.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <bit>
 #include <cstdint>
 

@@ -1,6 +1,8 @@
 // Keeps a renderer's sources in the form that it draws.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cstddef>

@@ -2,6 +2,8 @@
 // 64 samples a pixel cost about as much as one does elsewhere, and it tells any hierarchy which cells are hidden.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>

@@ -3,6 +3,8 @@
 // converted.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -3,6 +3,8 @@
 // by incremental scan conversion, overwriting the image at every pixel encountered".
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

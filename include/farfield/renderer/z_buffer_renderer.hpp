@@ -5,6 +5,8 @@
 // step, rejects those without a sample before setup, and clears and resolves only what was drawn.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -1,6 +1,8 @@
 // The built-in sampler takes point samples on a grid, from each side of a box.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>

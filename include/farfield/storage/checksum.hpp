@@ -2,6 +2,8 @@
 // (github.com/Cyan4973/xxHash, doc/xxhash_spec.md). It finds accidents; it is no protection from a forger.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <bit>
 #include <cstddef>
 #include <cstdint>

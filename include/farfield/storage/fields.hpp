@@ -5,6 +5,8 @@
 // Antony Polukhin's Boost.PFR. Base classes, C arrays and private members do not compile; pointers are told.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -25,6 +25,8 @@
 // are not in it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <concepts>
 #include <cstddef>

@@ -1,6 +1,8 @@
 // A whole file as bytes in memory: mapped where the system can do that, else read.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>

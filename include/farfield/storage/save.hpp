@@ -1,6 +1,8 @@
 // Writes a hierarchy into a file or a buffer. storage/file_format.hpp says what is in it; storage/open.hpp reads it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>

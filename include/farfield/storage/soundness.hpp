@@ -2,6 +2,8 @@
 // is checked before a hierarchy from a file is used, and before one is saved.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>

@@ -2,6 +2,8 @@
 // and calibrate.hpp looks at a clock.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -2,6 +2,8 @@
 // 1996, section 3.3). No other header than this and advise.hpp looks at a clock.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>

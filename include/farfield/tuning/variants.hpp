@@ -2,6 +2,8 @@
 // compile-time list. Concepts, not people, leave out what does not compose.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <ranges>
 #include <string>
 #include <string_view>

@@ -1,6 +1,8 @@
 // Boxes against the planes of a view, remembering which planes need no further test below.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cstdint>
 #include <glm/common.hpp>

@@ -1,6 +1,8 @@
 // A view in one hierarchy's own coordinates, as policies and renderers see it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cmath>
 #include <cstddef>

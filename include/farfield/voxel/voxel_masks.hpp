@@ -2,6 +2,8 @@
 // 16 z + 4 y + x.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>

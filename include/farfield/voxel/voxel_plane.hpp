@@ -2,6 +2,8 @@
 // voxel once.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -2,6 +2,8 @@
 // intersected by the polyhedron's faces" (Greene 1996, section 8).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cstddef>

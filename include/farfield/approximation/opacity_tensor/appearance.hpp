@@ -1,6 +1,8 @@
 // The look of a stored opacity tensor from a direction: its area, its color, and the rectangle or faces that show them.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -2,6 +2,8 @@
 // of its children's.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

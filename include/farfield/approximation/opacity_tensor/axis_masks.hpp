@@ -5,6 +5,8 @@
 // with everything but their position: "wrong transparency" of Loubet and Neyret 2018 and of Zhou et al. 2024.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -1,6 +1,8 @@
 // Fits the shape that is stored to sums over a cell's surfaces: an ellipsoid of areas, and the law by which they cover.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,8 @@
 // The 16 bytes that an opacity tensor keeps of a cell, and the numbers that they stand for.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -3,6 +3,8 @@
 // Polygon Tiling with Coverage Masks", SIGGRAPH 1996, sections 4.1 and 4.4).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <bit>
 #include <cstddef>

@@ -2,6 +2,8 @@
 // those for all byte patterns.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <bit>
 #include <cstdint>

@@ -4,6 +4,8 @@
 // Bit-masks and Look-up Tables", SIGGRAPH 1985).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>

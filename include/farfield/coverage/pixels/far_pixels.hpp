@@ -2,6 +2,8 @@
 // behind it (geometry/area_law.hpp).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -1,6 +1,8 @@
 // The destinations of the tiler's masks: filters, for images with 64 samples a pixel, or the pixels themselves.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <bit>
 #include <cstddef>

@@ -2,6 +2,8 @@
 // PointSamples.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

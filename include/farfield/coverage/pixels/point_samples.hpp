@@ -2,6 +2,8 @@
 // and colors do not accumulate (Greene 1996, section 4.5).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <bit>
 #include <cstddef>
 #include <cstdint>

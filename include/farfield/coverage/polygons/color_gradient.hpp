@@ -1,6 +1,8 @@
 // Interpolates colors that differ from corner to corner of a polygon, with perspective, at the centers of pixels.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cstdint>
 

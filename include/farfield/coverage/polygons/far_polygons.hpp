@@ -2,6 +2,8 @@
 // are deposited there.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>

@@ -2,6 +2,8 @@
 // lit, and clipped if they must be.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,8 @@
 // Polygons in the layout of the mask tiler: in the hierarchy's order, four corners at a time.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>

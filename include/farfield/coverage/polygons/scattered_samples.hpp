@@ -1,6 +1,8 @@
 // Chooses a given number of a pixel's 64 samples, scattered over it.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -2,6 +2,8 @@
 // section 5.2).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,8 @@
 // What a sample on a polygon sees of it: depth, color, and whether it is there at all.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>

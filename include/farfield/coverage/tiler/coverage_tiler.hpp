@@ -5,6 +5,8 @@
 // run time. All give the same masks, and so the same picture. Its parts are listed in coverage_tiler.inl.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif

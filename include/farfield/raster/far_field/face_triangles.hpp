@@ -1,6 +1,8 @@
 // Cuts a face of the far field into triangles on the screen.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>

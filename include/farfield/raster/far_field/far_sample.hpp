@@ -7,6 +7,8 @@
 // two integers, exactly, and squares that share edges cover a lane once.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 
 #include "farfield/geometry/area_law.hpp"

@@ -2,6 +2,8 @@
 // (geometry/area_law.hpp).
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cstddef>

@@ -2,6 +2,8 @@
 // at a time on any x86-64. The picture does not depend on which.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>

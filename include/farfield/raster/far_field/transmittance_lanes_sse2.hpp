@@ -1,6 +1,8 @@
 // The same as transmittance_lanes.hpp, which explains it, eight lanes at a time with what every x86-64 has.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #if defined(__SSE2__)
 
 #include <emmintrin.h>

@@ -1,6 +1,8 @@
 // The box filter of a pixel's samples.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cstddef>

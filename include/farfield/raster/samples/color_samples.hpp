@@ -1,6 +1,8 @@
 // Samples that have a color and no depth, and the picture made from them.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <vector>

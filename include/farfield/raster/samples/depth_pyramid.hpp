@@ -7,6 +7,8 @@
 // square is updated when it is asked about.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <concepts>
 #include <cstddef>

@@ -1,6 +1,8 @@
 // Writes a triangle's samples into a z-buffer.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <bit>
 #include <cstdint>
 

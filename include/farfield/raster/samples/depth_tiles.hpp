@@ -2,6 +2,8 @@
 // two levels of the z-pyramid of N. Greene, M. Kass, G. Miller, "Hierarchical Z-buffer Visibility", SIGGRAPH 1993.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <limits>

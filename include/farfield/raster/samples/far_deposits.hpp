@@ -1,6 +1,8 @@
 // Deposits faces and splats of the far field into samples.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 

@@ -2,6 +2,8 @@
 // SampleBuffers.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <bit>
 #include <cstdint>
 #include <optional>

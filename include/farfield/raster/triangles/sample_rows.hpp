@@ -4,6 +4,8 @@
 // DepthPlane and ColorPlane do, sample by sample.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <bit>
 #include <cstdint>
 #include <glm/vec3.hpp>

@@ -1,6 +1,8 @@
 // Draws one triangle into a picture: by scan conversion, or as one deposit if it is small.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>

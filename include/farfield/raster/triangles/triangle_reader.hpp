@@ -1,6 +1,8 @@
 // Reads triangles from where the user keeps them, each time they are drawn.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 
 #include "farfield/raster/triangles/triangle_stream.hpp"

@@ -1,6 +1,8 @@
 // Goes through runs of triangles, a block at a time.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <bit>
 #include <cstdint>
 

@@ -1,6 +1,8 @@
 // Triangles in the layout of the rasterizer: in the hierarchy's order, eight at a time, coordinate by coordinate.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

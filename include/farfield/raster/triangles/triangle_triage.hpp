@@ -5,6 +5,8 @@
 // The same source is compiled for vectors of one, four and eight lanes (simd.hpp); all widths compute the same bits.
 #pragma once
 
+#include "farfield/settings.hpp"
+
 #include <cstdint>
 
 #include "farfield/raster/sample_projection.hpp"
