@@ -157,13 +157,13 @@ TEST_CASE("OOGL: braces, appearances, lists, references and definitions", "[scen
         load(directory.write("d.oogl", "LIST {" + triangle + "} { VECT 1 2 1 2 1 0 0 0 1 1 1 1 1 1 1 }"));
     CHECK(scene.notes == std::vector<std::string>{"VECT is not drawn, only surfaces are"});
     CHECK(contains(failure(std::string(1000, '{')), "nested deeper than 64"));
-    // Doubled sixty times: refused before it is tried.
-    std::string doubled = "LIST { define t0 " + triangle + "}\n";
-    for (int i = 1; i < 60; ++i) {
-        const std::string last = std::to_string(i - 1);
-        doubled += "{ define t" + std::to_string(i) + " LIST { : t" + last + " } { : t" + last + " } }\n";
-    }
-    CHECK(contains(failure(doubled), "more than 100,000,000 triangles"));
+    // Three hundred times three hundred times three hundred: refused before it is tried.
+    std::string transforms = "TLIST";
+    for (int i = 0; i < 300; ++i) transforms += " 1 0 0 0 0 1 0 0 0 0 1 0 0 0 " + std::to_string(i) + " 1";
+    const std::string often = "LIST { define a INST transforms { " + transforms + " } geom {" + triangle +
+                              "} } { define b INST transforms { " + transforms + " } geom : a } { INST transforms { " +
+                              transforms + " } geom : b }";
+    CHECK(contains(failure(often), "more than 10,000,000 triangles"));
 }
 
 TEST_CASE("OOGL: instances", "[scenes][load]") {

@@ -11,7 +11,8 @@ namespace farfield::scenes::detail {
 namespace {
 
 constexpr int most_nested = 64;
-constexpr std::size_t most_triangles = 100'000'000, most_transforms = 10'000'000;
+// A small file can place a large object very often, and double it in every line.
+constexpr std::size_t most_triangles = 10'000'000, most_transforms = 1'000'000;
 
 using Transforms = std::vector<glm::dmat4>;
 
@@ -203,7 +204,7 @@ class OoglReader {
         Transforms result;
         const auto add = [&](const Transforms& more) {
             if (result.size() + more.size() > most_transforms)
-                throw std::runtime_error("more than 10,000,000 transforms");
+                throw std::runtime_error("more than 1,000,000 transforms");
             result.insert(result.end(), more.begin(), more.end());
         };
         if (word == "{") {
@@ -352,7 +353,7 @@ class OoglReader {
     }
 
     [[noreturn]] static void too_many() {
-        throw std::runtime_error("more than 100,000,000 triangles, with every instance");
+        throw std::runtime_error("more than 10,000,000 triangles, with every instance");
     }
 
     std::filesystem::path folder_;
