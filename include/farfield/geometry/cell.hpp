@@ -30,11 +30,12 @@ struct Cell {
     float largest_side() const { return 2 * glm::max(half.x, glm::max(half.y, half.z)); }
 
     /// A power of two by which the cell can be multiplied so that areas and volumes in it are ordinary numbers,
-    /// whatever its unit of length: the side of its bounds comes near 1.
+    /// whatever its unit of length. 1 if they are already; else the side of its bounds comes near 1.
     float to_ordinary() const {
         const int side = exponent_of(detail::largest_component(bounds_half)),
                   place = exponent_of(detail::largest_component(bounds_center));
-        return std::ldexp(1.0f, -glm::clamp(glm::max(side, place - 60), -126, 126));
+        const int exponent = glm::clamp(glm::max(side, place - 60), -126, 126);
+        return glm::abs(exponent) <= 16 ? 1.0f : std::ldexp(1.0f, -exponent);
     }
     /// The cell in a space that is `factor` times as large.
     Cell scaled(float factor) const {
