@@ -73,8 +73,9 @@ TEST_CASE("each hierarchy over its primitives is uploaded once, however often it
 TEST_CASE("what was uploaded before something is refused is released") {
     const Triangles triangles = random_triangles(50, 811);
     const Shared h = build<Shared>(triangles);
-    std::vector<Placed> instances{{&h, triangles, {}}, {&h, std::span(triangles).first(49), {}}};
+    std::vector<Placed> instances{{&h, triangles, {}}, {&h, triangles, {}}};
     const Loose outer = build<Loose>(instances);
+    instances[1].primitives = std::span(triangles).first(49);
     Naming renderer;
     try {
         SourceTable<Naming> table(renderer);

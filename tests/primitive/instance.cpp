@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <stdexcept>
@@ -17,6 +18,7 @@
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/sampler/grid_sampler.hpp"
 #include "farfield/viewer.hpp"
 #include "support/pictures.hpp"
 #include "support/recorder.hpp"
@@ -102,16 +104,19 @@ struct World {
     H inner, outer;
     Triangles all;  ///< expanded
 
-    World(const Triangles& shape, const std::vector<Similarity>& places, const Triangles& loose = {}) {
+    World(const Triangles& shape, const std::vector<Similarity>& places, const Triangles& loose = {},
+          const std::optional<DirectionalLight>& light = {}) {
+        GridSampler sampler;
+        sampler.light = light;
         inner_objects = objects<A>(shape);
-        inner = build<H>(inner_objects);
+        inner = build<H>(inner_objects, {.sampler = sampler});
         for (const Similarity& s : places) {
             outer_objects.push_back({Instance<H, ObjectOf<A>>{&inner, inner_objects, s}});
             append(all, expanded(shape, s));
         }
         for (const Triangle& t : loose) outer_objects.push_back({t});
         append(all, loose);
-        outer = build<H>(outer_objects);
+        outer = build<H>(outer_objects, {.sampler = sampler});
     }
 };
 
@@ -144,7 +149,7 @@ TEMPLATE_TEST_CASE("without tolerance instances look like the scene they stand f
     std::vector<Similarity> places;
     for (int i = 0; i < 40; ++i) places.push_back(any_place(random, 4));
     const World<TestType> world(sphere({0.2f, 0, 0.1f}, 0.8f, 14, {200, 100, 50, 255}), places,
-                                random_triangles(300, 91, 0.4f));
+                                random_triangles(300, 91, 0.4f), DirectionalLight{});
     const ZBufferOptions options{.samples = 4, .light = DirectionalLight{}};
     for (const View& view : {looking({9, 4, 7}, {}, 160), looking({0.3, 0.2, 0.1}, {3, 1, 0}, 160),
                              looking_orthographic({9, 4, 7}, {}, 9, 160)}) {
