@@ -235,7 +235,6 @@ TEST_CASE("an option that makes no sense is refused by its name before anything 
     const Triangles triangles = random_triangles(50, 739);
     using Clusters = SpatialHierarchy<Octree, ColorCubeCluster<2>, TriangleCount>;
     using Timed = SpatialHierarchy<Octree, ColorCube, MeasuredTime>;
-    using Bsp = SpatialHierarchy<PolygonBsp, Exact, TriangleCount>;
     using Halls = SpatialHierarchy<Nested<Octree, PolygonBsp>, Exact, TriangleCount>;
     CHECK(build_refusal<Cubes>(triangles, {.approximation = {.samples = 9}}) ==
           "farfield::ColorCube: samples must be at most 8");
