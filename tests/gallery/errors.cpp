@@ -4,7 +4,14 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/primitive/instance.hpp"
+#include "farfield/viewer.hpp"
 #include "gallery/subjects.hpp"
+#include "support/random.hpp"
 
 using namespace farfield;
 using namespace farfield::test;

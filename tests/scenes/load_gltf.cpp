@@ -468,7 +468,7 @@ TEST_CASE("glTF: lists, strips and fans, with indices or without", "[scenes][loa
             for (const VertexColoredTriangle& t : triangles) {
                 const float z = glm::cross(t.vertices[1] - t.vertices[0], t.vertices[2] - t.vertices[0]).z;
                 CHECK(z == 1.0f);  // counter-clockwise, half of the square
-                area += t.area();
+                area += float(t.area());
             }
             CHECK(area == 1.0f);
         }
