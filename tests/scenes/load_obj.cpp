@@ -92,10 +92,10 @@ TEST_CASE("OBJ: a material has the color that its library says, full where it sa
 TEST_CASE("OBJ: names with spaces, several libraries, in a line or in several", "[scenes][load]") {
     const TemporaryDirectory directory;
     directory.write("my first.mtl", "newmtl bright red\nKd 1 0 0\n");
-    directory.write("b.mtl", "newmtl #2\nKd 0 1 0\n");
+    directory.write("b.mtl", "newmtl no#2\nKd 0 1 0\n");
     directory.write("c.mtl", "newmtl blue\nKd 0 0 1\n");
     const std::string faces =
-        square + "usemtl bright red\nf 1 2 3\nusemtl #2\nf 1 2 3\nusemtl blue \nf 1 2 3\nusemtl\nf 1 2 3\n";
+        square + "usemtl bright red\nf 1 2 3\nusemtl no#2\nf 1 2 3\nusemtl blue \nf 1 2 3\nusemtl\nf 1 2 3\n";
     for (const char* libraries : {"mtllib my first.mtl b.mtl none.mtl c.mtl\n", "mtllib b.mtl c.mtl my first.mtl\n",
                                   "mtllib my first.mtl\nmtllib .\\b.mtl\nmtllib C:\\there\\c.mtl\n",
                                   "mtllib \"my first.mtl\"\nmtllib b.mtl\nmtllib c.mtl\n"}) {
@@ -103,6 +103,7 @@ TEST_CASE("OBJ: names with spaces, several libraries, in a line or in several", 
         const auto triangles = load(directory.write("a.obj", libraries + faces), unlit()).groups[0].triangles;
         REQUIRE(triangles.size() == 4);
         CHECK(triangles[0].rgba[0] == red);
+        CHECK(triangles[1].rgba[0] == Rgba8{0, 255, 0});
         CHECK(triangles[2].rgba[0] == Rgba8{0, 0, 255});
         CHECK(triangles[3].rgba[0] == gray);
     }

@@ -240,8 +240,12 @@ class ObjReader {
         const Image* image = nullptr;
     };
 
-    /// In lines of numbers a comment may follow one without a space.
-    static std::string_view without_rest_of_comment(std::string_view rest) { return rest.substr(0, rest.find('#')); }
+    /// In lines of numbers a comment may follow one without a space; "1.#IND" is what some C libraries print for NaN.
+    static std::string_view without_rest_of_comment(std::string_view rest) {
+        std::size_t hash = rest.find('#');
+        while (hash != std::string_view::npos && hash > 0 && rest[hash - 1] == '.') hash = rest.find('#', hash + 1);
+        return rest.substr(0, hash);
+    }
 
     [[noreturn]] void fail(const std::string& reason) const { statements_.lines.fail(reason); }
 
