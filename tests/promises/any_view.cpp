@@ -107,12 +107,14 @@ TEST_CASE("things near the eye are seen however large the scene is") {
     const Triangles ball = sphere({0, 0, 0}, 0.5f, 8, {200, 120, 60, 255});
     const View view = looking({1, 1, 2});
     const auto alone = build<Plain>(std::span<const Triangle>(ball));
-    const int seen = covered_pixels(picture<ZBufferRenderer>(alone, ball, view));
+    const auto seen = pictures(alone, ball, view);
     for (const float away : {1e3f, 1e5f, 1e7f}) {
         Triangles triangles = ball;
         triangles.push_back({{{{away, away, away}, {away + 1, away, away}, {away, away + 1, away}}}, {255, 0, 0, 255}});
         const auto h = build<Plain>(std::span<const Triangle>(triangles));
-        for (const Image& image : pictures(h, triangles, view)) CHECK(std::abs(covered_pixels(image) - seen) < 40);
+        const auto found = pictures(h, triangles, view);
+        for (std::size_t i = 0; i < seen.size(); ++i)
+            CHECK(std::abs(covered_pixels(found[i]) - covered_pixels(seen[i])) < 40);
     }
 }
 

@@ -165,7 +165,7 @@ TEST_CASE("after a frame that ran out of memory the next is right, in every rend
     }
     SECTION("hierarchical z") {
         for (const int samples : {1, 4}) {
-            const ZBufferOptions options{.samples = samples, .background = {9, 8, 7, 255}};
+            const ZBufferOptions options{.samples = samples, .background = {9, 8, 7, 255}, .light = light};
             check_viewers<HierarchicalZRenderer>("tensors", tensors, triangles, options);
             check_viewers<HierarchicalZRenderer>("bsp", bsp, few, options);
         }

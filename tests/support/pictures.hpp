@@ -30,8 +30,7 @@ LocalView local_view(std::span<const P> primitives, const View& view, glm::dvec3
     }
     Box local = Box::empty();
     for (const P& p : primitives) local.add(local_bounds(p, origin));
-    const glm::vec3 size = local.size();
-    return LocalView(view, origin, local.is_empty() ? 1.0f : std::sqrt(glm::dot(size, size)));
+    return LocalView(view, origin, local);
 }
 template <class P>
 LocalView local_view(std::span<const P> primitives, const View& view) {
