@@ -1,5 +1,5 @@
-// What each fuzzer defines and its drivers call: libFuzzer's (with_libfuzzer.cpp), and one for any compiler (replay.cpp).
-// (replay.cpp).
+// What each fuzzer defines and its drivers call: libFuzzer's (with_libfuzzer.cpp), and one for any compiler
+// (replay.cpp). (replay.cpp).
 #pragma once
 
 #include <cstdint>

@@ -94,8 +94,8 @@ TEST_CASE("version 3 lies in files like this") {
     CHECK(at(24, u32) == ColorCube::facts.file_tag);
     CHECK(at(28, u32) == TriangleCount::file_tag);
     CHECK(at(32, u64) == bytes.size());
-    const std::uint64_t expected[11][3] = {{704, 1, 8},  {768, 1, 15},  {832, 1, 24},  {896, 3, 16},
-                                           {960, 0, 0},  {960, 2, 24},  {1024, 0, 0},  {1024, 3, 4},
+    const std::uint64_t expected[11][3] = {{704, 1, 8},  {768, 1, 15},  {832, 1, 24}, {896, 3, 16},
+                                           {960, 0, 0},  {960, 2, 24},  {1024, 0, 0}, {1024, 3, 4},
                                            {1088, 0, 4}, {1088, 0, 12}, {1088, 0, 4}};
     for (std::size_t s = 0; s < 11; ++s) {
         INFO(section_names[s]);

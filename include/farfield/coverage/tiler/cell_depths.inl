@@ -30,7 +30,11 @@ class LazyCells {
   public:
     /// `thickness`: how much less than the one plane's its q may be.
     LazyCells(Target& target, const DepthPlane* planes, int plane_count, float thickness = 0)
-        : target_(target), pyramid_(target.pyramid), planes_(planes), plane_count_(plane_count), thickness_(thickness) {}
+        : target_(target),
+          pyramid_(target.pyramid),
+          planes_(planes),
+          plane_count_(plane_count),
+          thickness_(thickness) {}
 
     /// Keeps the surface, which is about to be drawn; forget() takes that back if nothing of it was.
     void add(const Surface& surface) { index_ = target_.lazy.add(surface); }
