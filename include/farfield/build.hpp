@@ -21,6 +21,7 @@
 #include "farfield/composition.hpp"
 #include "farfield/executor.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
+#include "farfield/missing_hooks.hpp"
 #include "farfield/sampler/grid_sampler.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 

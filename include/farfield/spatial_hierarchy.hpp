@@ -17,6 +17,7 @@
 
 #include "farfield/composition.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
+#include "farfield/missing_hooks.hpp"
 
 namespace farfield {
 

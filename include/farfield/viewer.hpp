@@ -23,6 +23,7 @@
 #include "farfield/frame/instance_stack.hpp"
 #include "farfield/frame/selection.hpp"
 #include "farfield/frame/source_table.hpp"
+#include "farfield/missing_hooks.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/view.hpp"
 #include "farfield/view/local_view.hpp"

@@ -1,8 +1,6 @@
 // Loads files of any bytes: each gives triangles that are finite or one line that says what is wrong.
 #include "scenes/load/load.hpp"
 
-#include <unistd.h>
-
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +9,7 @@
 #include <string_view>
 
 #include "fuzz/fuzz.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace farfield::fuzz {
 namespace {
@@ -31,29 +30,6 @@ constexpr std::array<std::pair<char, std::string_view>, 11> formats{{{'o', ".off
 /// Between the file and another that lies beside it under the name "beside", for formats that have such.
 constexpr std::string_view divider = "\n%%%%\n";
 
-/// Removed at the end.
-class Folder {
-  public:
-    Folder() : path_(std::filesystem::temp_directory_path() / ("farfield-fuzz-load-" + std::to_string(getpid()))) {
-        std::filesystem::create_directories(path_);
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    std::filesystem::path write(const std::string& name, std::string_view content) const {
-        std::ofstream(path_ / name, std::ios::binary)
-            .write(content.data(), static_cast<std::streamsize>(content.size()));
-        return path_ / name;
-    }
-
-  private:
-    std::filesystem::path path_;
-};
-
 void check(const scenes::Scene& scene) {
     if (scene.groups.empty() || scenes::triangle_count(scene) == 0) throw std::logic_error("a scene of nothing");
     for (const scenes::Group& group : scene.groups) {
@@ -66,7 +42,7 @@ void check(const scenes::Scene& scene) {
 }  // namespace
 
 void run(std::span<const std::uint8_t> bytes) {
-    static const Folder folder;
+    static const test::TemporaryDirectory folder;
     if (bytes.empty()) return;
     std::string_view extension;
     for (const auto& [letter, name] : formats) {

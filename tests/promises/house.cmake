@@ -12,7 +12,7 @@ function(may_include room)
   set(rooms ${rooms} "${room}" PARENT_SCOPE)
 endfunction()
 
-set(contracts approximation.hpp camera.hpp camera_from_matrices.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp partition.hpp
+set(contracts approximation.hpp camera.hpp camera_from_matrices.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp missing_hooks.hpp partition.hpp
               primitive.hpp renderer.hpp sampler.hpp view view.hpp)
 set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
 set(frame frame ${hierarchy})
@@ -56,7 +56,7 @@ function(tested_by test)
 endfunction()
 
 # Concepts are tested together: with types that keep every promise and types that miss it by one thing.
-tested_by(composition approximation approximation/exact cost_model partition sampler)
+tested_by(composition missing_hooks approximation approximation/exact cost_model partition sampler)
 tested_by(consumer/main farfield)
 tested_by(consumer/settings settings)
 # Records without functions are tested by what makes them.

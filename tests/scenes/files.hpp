@@ -7,43 +7,17 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <random>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "catch.hpp"
 #include "scenes/load/load.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace farfield::scenes::test {
 
-/// A directory of its own, removed with all that is in it.
-class TemporaryDirectory {
-  public:
-    TemporaryDirectory() {
-        std::random_device device;  // of a name only
-        path_ = std::filesystem::temp_directory_path() /
-                ("farfield-scenes-" + std::to_string(device()) + std::to_string(device()));
-        std::filesystem::create_directories(path_);
-    }
-    ~TemporaryDirectory() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    TemporaryDirectory(const TemporaryDirectory&) = delete;
-    TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-
-    const std::filesystem::path& path() const { return path_; }
-
-    std::filesystem::path write(const std::string& name, std::string_view content) const {
-        std::ofstream(path_ / name, std::ios::binary)
-            .write(content.data(), static_cast<std::streamsize>(content.size()));
-        return path_ / name;
-    }
-
-  private:
-    std::filesystem::path path_;
-};
+using farfield::test::TemporaryDirectory;
 
 inline std::string content_of(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);

@@ -29,31 +29,11 @@
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/file_format.hpp"
 #include "farfield/viewer.hpp"
+#include "support/temporary_directory.hpp"
 
 using Bytes = std::vector<char>;
 
-/// Removed with all that is in it.
-class TemporaryDirectory {
-  public:
-    TemporaryDirectory() {
-        std::random_device random;
-        do {
-            path_ = std::filesystem::temp_directory_path() / ("farfield-" + std::to_string(random()));
-        } while (!std::filesystem::create_directory(path_));
-    }
-    ~TemporaryDirectory() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    TemporaryDirectory(const TemporaryDirectory&) = delete;
-    TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-
-    std::filesystem::path operator/(const char* name) const { return path_ / name; }
-    std::ptrdiff_t files() const { return std::distance(std::filesystem::directory_iterator(path_), {}); }
-
-  private:
-    std::filesystem::path path_;
-};
+using farfield::test::TemporaryDirectory;
 
 inline Bytes read_file(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);

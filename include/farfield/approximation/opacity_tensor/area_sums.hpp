@@ -19,6 +19,7 @@
 #include "farfield/geometry/box.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/clip_triangle.hpp"
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/sampler.hpp"
@@ -81,15 +82,6 @@ inline float luminance(glm::vec3 rgb) {
     return glm::dot(rgb, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
-/// Length of a doubled area, whose square leaves single precision long before the area does.
-inline float length_of(glm::vec3 v) {
-    const glm::vec3 a = glm::abs(v);
-    const float largest = std::max(a.x, std::max(a.y, a.z));
-    if (!(largest > 0)) return 0;
-    const glm::vec3 scaled = a * (1 / largest);
-    return largest * std::sqrt(glm::dot(scaled, scaled));
-}
-
 /// A surface in the light of its sampler.
 struct LitSurface {
     glm::vec3 normal;  ///< of unit length
@@ -138,7 +130,7 @@ struct TensorSums {
             glm::vec4 color = to_vec4(colors[a]);
             if (!one_color) color = (color + to_vec4(colors[b]) + to_vec4(colors[c])) * (1.0f / 3);
             const glm::vec3 doubled = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-            const float length = detail::length_of(doubled);
+            const float length = length_of(doubled);
             if (!(length > 0)) return;
             const auto surface = detail::lit_surface(polygon, color, doubled / length, closed_surfaces, sampler);
             const glm::vec3 lower = glm::min(corners[0], glm::min(corners[1], corners[2]));
@@ -159,7 +151,7 @@ struct TensorSums {
         for_each_triangle(left.size(), [&](std::size_t a, std::size_t b, std::size_t c) {
             const glm::vec3 part[3] = {left[a], left[b], left[c]};
             const glm::vec3 n = glm::cross(part[1] - part[0], part[2] - part[0]);
-            add(cell, bounds, part, 0.5f * detail::length_of(n), surface);
+            add(cell, bounds, part, 0.5f * length_of(n), surface);
         });
     }
 

@@ -8,6 +8,7 @@
 #include "farfield/coverage/tiler/tile_edges.inl"      // a polygon's bounding box, its edges, and triage of cells by them
 #include "farfield/coverage/tiler/cell_depths.inl"     // whether something lies behind all that is seen in a cell
 #include "farfield/coverage/tiler/coverage_query.inl"  // whether anything of a bounding box or a silhouette may be seen
+#include "farfield/coverage/tiler/mask_depths.inl"     // depths of the samples of a mask
 #include "farfield/coverage/tiler/lazy_masks.inl"      // masks of samples where polygons do not come front to back
 // clang-format on
 
