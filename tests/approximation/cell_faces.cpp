@@ -48,3 +48,17 @@ TEST_CASE("small is what takes no more than the limit where it is", "[approximat
     CHECK_FALSE(is_small({0, 0, 0}, side * 1e-6f, view, 2));
     CHECK_FALSE(is_small({0, 0, 5}, side * 1e-6f, view, 2));
 }
+
+TEST_CASE("a splat whose area all but vanishes keeps its color", "[approximation]") {
+    View v;
+    v.camera = Camera::perspective({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1);
+    const LocalView view(v, {}, 10);
+    for (const float footprint : {1.0f, 0x1p-100f, 0x1p-126f, 0x1p-130f, 0x1p-140f}) {
+        const Splat splat = splat_of({0, 0, -5}, footprint, 0.5f, glm::vec4(0, 100, 255, 255) * footprint, view);
+        CHECK(splat.rgb.r == 0);
+        CHECK(splat.rgb.b <= 255);
+        if (footprint > 0x1p-118f) CHECK(splat.rgb.b == 255);
+        CHECK(splat.opacity > 0);
+        CHECK(splat.opacity <= 1);
+    }
+}

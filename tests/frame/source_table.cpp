@@ -130,7 +130,7 @@ TEST_CASE("instances that were changed since are noticed") {
 
 #ifndef NDEBUG
 TEST_CASE("programs with assertions are told of other primitives of the same number") {
-    const Triangles triangles = random_triangles(50, 815), others = random_triangles(50, 816);
+    const Triangles triangles = random_triangles(500, 815), others = random_triangles(500, 816);
     const Loose h = build<Loose>(triangles);
     std::vector<Instance<Loose, Triangle>> instances(3, {&h, triangles, {}});
     const Loose outer = build<Loose>(instances);

@@ -392,7 +392,8 @@ TEST_CASE("glTF: texture coordinates and colors of every type", "[scenes][load]"
 }
 
 TEST_CASE("glTF: positions and indices of every type, interleaved and sparse", "[scenes][load]") {
-    const auto positions = [](Binary file, const std::string& accessor, const std::string& more = "") {
+    // By reference: a copy could be made before the accessor is added to it.
+    const auto positions = [](Binary& file, const std::string& accessor, const std::string& more = "") {
         file.primitives = R"({"attributes":{"POSITION":)" + accessor + "}" + more + "}";
         return file.triangles()[0].vertices;
     };

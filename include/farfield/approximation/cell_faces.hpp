@@ -3,6 +3,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -79,7 +80,8 @@ inline bool is_small(glm::vec3 center, float side, const LocalView& view, float 
 inline Splat splat_of(glm::vec3 center, float footprint, float unit, glm::vec4 sum, const LocalView& view) {
     const float alpha = sum.w / (255 * footprint);
     const AreaLaw law = law_of_opacity(alpha);
-    const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / sum.w) + 0.5f, glm::vec3(255.0f));
+    // Of cells that are all but flat and seen from their edge, the inverse of the area would be infinite.
+    const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / std::max(sum.w, 0x1p-118f)) + 0.5f, glm::vec3(255.0f));
     return {center, glm::vec2(unit * std::sqrt(footprint * view.stretch(center))), alpha,
             Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}};
 }
