@@ -128,7 +128,7 @@ class BruteForce {
 
 /// A `samples` policy without a far field that keeps every sample and complains about whatever breaks the rules. The
 /// picture has a pixel a sample.
-template <int side, bool may_split>
+template <int side>
 class RecordedSamples : public SinglePixels {
   public:
     static constexpr int samples_a_side = side;
@@ -148,17 +148,6 @@ class RecordedSamples : public SinglePixels {
         check(block);
         if (state_[block.index] == filled) fail("a filled block was opened");
         state_[block.index] = open;
-    }
-    /// What cover_block() said of all at once is kept mask by mask from now on.
-    void split_block(const MaskBlock& block, std::uint64_t inside, const Surface& surface) {
-        check(block);
-        if (!may_split) fail("a block was split");
-        if (state_[block.index] != filled) fail("a block was split that was not filled");
-        state_[block.index] = open;
-        for (unsigned k = 0; k < 64; ++k) {
-            for_samples(block, k, all_subcells, [&](std::size_t at, int, int) { times_[at] = 0; });
-        }
-        cover_masks(block, inside, surface);
     }
     void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         check(block);
@@ -190,13 +179,6 @@ class RecordedSamples : public SinglePixels {
         has_samples_[64 * block.index + k] = 1;
         come(block, k, samples, surface);
     }
-    void remove(const MaskBlock& block, unsigned k, std::uint64_t samples, const Surface& surface) {
-        check_open(block);
-        for_samples(block, k, samples, [&](std::size_t at, int x, int y) {
-            if (times_[at]-- != 1) fail("a sample was removed that had not come once");
-            if (color_[at] != color_of(surface, block, k, x, y)) fail("a sample was removed of another color");
-        });
-    }
     void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
         check_open(block);
         for (unsigned s = 0; s < 64; ++s) {
@@ -205,10 +187,6 @@ class RecordedSamples : public SinglePixels {
                 color_[at] = deep.color[s];
             });
         }
-    }
-    static Rgba8 color_of(const MaskBlock& block, unsigned k, const Surface& surface) {
-        return surface.is_flat ? surface.seen_color()
-                               : surface.seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
     }
     void resolve(Image& image) {
         if (image.width() != frame_.width() || image.height() != frame_.height())
@@ -272,11 +250,11 @@ class RecordedSamples : public SinglePixels {
 
 template <int side>
 struct RecordedStrict : StrictCoverage {
-    using samples = RecordedSamples<side, false>;
+    using samples = RecordedSamples<side>;
 };
 template <int side>
 struct RecordedLazy : LazyCoverage {
-    using samples = RecordedSamples<side, true>;
+    using samples = RecordedSamples<side>;
 };
 
 /// All that remains, as CoverageRenderer::end_frame().

@@ -95,12 +95,11 @@ TEST_CASE("single pixels are their samples, in any order of polygons", "[coverag
     }
 }
 
-TEST_CASE("what a cosine hump took back leaves no trace: lazy pictures are strict ones", "[coverage]") {
+TEST_CASE("under a cosine hump too, lazy pictures are strict ones", "[coverage]") {
     Random random(832);
     std::vector<TiledFrames<LazyFiltered<CosineHumpFilter>>> frames;
     for (const Simd simd : all_simd) frames.emplace_back(simd);
     TiledFrames<StrictHumps> strict(Simd::automatic);
-    std::uint64_t taken_back = 0;
     for (int round = 0; round < 5; ++round) {
         for (const auto& [width, height] : sizes) {
             const SampleFrame frame{width, height, 8};
@@ -108,10 +107,7 @@ TEST_CASE("what a cosine hump took back leaves no trace: lazy pictures are stric
             BruteForce brute(frame, background);
             for (const TilePolygon& p : polygons) brute.draw_lazy(p);
             const Image expected = filtered<CosineHumpFilter>(frame, brute.colors());
-            for (auto& f : frames) {
-                REQUIRE(drawn(f, frame, polygons) == expected);
-                taken_back += f.target().work.masks_z_buffered;
-            }
+            for (auto& f : frames) REQUIRE(drawn(f, frame, polygons) == expected);
             // In layers one behind the other strict order gives the same.
             for (std::size_t i = 0; i < polygons.size(); ++i) {
                 DepthPlane& d = polygons[i].surface.depth;
@@ -122,32 +118,5 @@ TEST_CASE("what a cosine hump took back leaves no trace: lazy pictures are stric
             random.shuffle(polygons);
             for (auto& f : frames) REQUIRE(drawn(f, frame, polygons) == in_order);
         }
-    }
-    CHECK(taken_back > 1000);
-}
-
-TEST_CASE("samples taken back and given again leave a cosine hump as it was", "[coverage]") {
-    Random random(833);
-    CosineHumpFilter filter, plain;
-    Image image, expected;
-    for (int round = 0; round < 20; ++round) {
-        const int width = 1 + int(random.below(9)), height = 1 + int(random.below(9));
-        filter.begin(width, height);
-        plain.begin(width, height);
-        for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x) {
-                const std::uint64_t mask = random.bits();
-                const Rgba8 one = random.color(), other = random.color(), wrong = random.color();
-                plain.add(x, y, mask, one, true);
-                plain.add(x, y, ~mask, other, false);
-                filter.add(x, y, mask, wrong, true);
-                filter.add(x, y, ~mask, other, false);
-                filter.remove(x, y, mask, wrong);
-                filter.add(x, y, mask, one, false);
-            }
-        }
-        filter.resolve(image);
-        plain.resolve(expected);
-        REQUIRE(image == expected);
     }
 }

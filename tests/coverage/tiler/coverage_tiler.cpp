@@ -36,7 +36,7 @@ class StrictCheck {
                 if (frames.tile(polygons[i]) != drew[i]) FAIL("polygon " << i << " was told to be seen or not");
             }
             const std::size_t different = different_samples(frames.end(), brute.colors());
-            const std::string& error = RecordedSamples<side, false>::last_error;
+            const std::string& error = RecordedSamples<side>::last_error;
             if (different != 0 || !error.empty()) {
                 FAIL(frame.width_px << " x " << frame.height_px << " at " << side << ": " << different
                                     << " samples differ; " << error);

@@ -70,21 +70,27 @@ void check_kernel(int lanes) {
         }
         const float lowest = float(random.below(5)) * 0.1f - 0.2f, highest = lowest + float(random.below(5)) * 0.1f;
         const std::uint64_t below = Kernel::plane_below(rows, columns, lowest, highest, q.q.data());
-        // Another plane, turned, so that about as many are below as are not.
-        const DepthPlane d(0, 0, 0, lowest, highest), o(0, 0, 0, lowest + 0.1f, highest);
-        const std::uint64_t below_plane = Kernel::plane_below(rows, columns, d, columns, rows, o);
+        const std::uint64_t above = Kernel::plane_above(rows, columns, lowest, highest, q.q.data());
         const std::uint64_t chosen = random.bits() & random.bits();
-        Depths lowered = q;
-        Kernel::lower(chosen, rows, columns, lowest, highest, lowered.q.data());
+        Depths lowered = q, raised = q, assigned = q;
+        using Update = typename Kernel::Update;
+        Kernel::template update<Update::lower>(chosen, rows, columns, lowest, highest, lowered.q.data());
+        Kernel::template update<Update::raise>(chosen, rows, columns, lowest, highest, raised.q.data());
+        Kernel::template update<Update::assign>(chosen, rows, columns, lowest, highest, assigned.q.data());
+        float least = q.q[0];
+        for (const float one : q.q) least = std::min(least, one);
+        if (Kernel::least(q.q.data()) != least) FAIL(lanes << " lanes: the least");
         for (unsigned k = 0; k < 64; ++k) {
             const auto x = std::int32_t(k % 8), y = std::int32_t(k / 8);
             const float plane = std::min(std::max(rows[y] + columns[x], lowest), highest);
-            const float other = std::min(std::max(columns[y] + rows[x], o.lowest), o.highest);
-            const float least = (chosen >> k & 1) != 0 ? std::min(plane, q.q[k]) : q.q[k];
+            const bool is_chosen = (chosen >> k & 1) != 0;
             const bool is_right = table.v[k] == a * x + b * y && (greater >> k & 1) == (table.v[k] > threshold) &&
                                   (untabulated >> k & 1) == (table.v[k] > close) &&
                                   (nearer >> k & 1) == (q.q[k] > limit) && (below >> k & 1) == (plane < q.q[k]) &&
-                                  (below_plane >> k & 1) == (plane < other) && lowered.q[k] == least;
+                                  (above >> k & 1) == (plane > q.q[k]) &&
+                                  lowered.q[k] == (is_chosen ? std::min(plane, q.q[k]) : q.q[k]) &&
+                                  raised.q[k] == (is_chosen ? std::max(plane, q.q[k]) : q.q[k]) &&
+                                  assigned.q[k] == (is_chosen ? plane : q.q[k]);
             if (!is_right) FAIL(lanes << " lanes, " << k);
         }
         const std::uint64_t mask = random.bits() & random.bits();

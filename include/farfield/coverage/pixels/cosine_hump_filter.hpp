@@ -39,13 +39,6 @@ class CosineHumpFilter {
     void add(int x, int y, std::uint64_t samples, Rgba8 premultiplied, bool /*first*/) {
         convolve(x, y, samples, sum_of(premultiplied));
     }
-    /// Takes back samples that came with this color. No trace is left, because sums are whole numbers.
-    void remove(int x, int y, std::uint64_t samples, Rgba8 premultiplied) {
-        Sum color = sum_of(premultiplied);
-        for (float& channel : color) channel = -channel;
-        convolve(x, y, samples, color);
-    }
-
     /// Adds all samples of a rectangle of pixels, which is cut off at the right and the lower border.
     void fill(int x, int y, int width_px, int height_px, Rgba8 premultiplied) {
         const int columns = std::min(width_px, width_ - x), rows = std::min(height_px, height_ - y);

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "farfield/coverage/lazy_depth.hpp"
+#include "farfield/coverage/a_buffer.hpp"
 #include "farfield/coverage/pixels/box_filter.hpp"
 #include "farfield/coverage/pixels/far_pixels.hpp"
 #include "farfield/coverage/pixels/point_samples.hpp"
@@ -85,22 +85,11 @@ class PixelSamples {
                              const Surface& surface, bool is_first) {
         add(block, k, samples, count, color_of(block, k, surface), is_first);
     }
-    /// Prepares a block that cover_block() took for being written mask by mask after all.
-    void split_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
-        if constexpr (has_blocks) {
-            open_block(block);
-            cover_masks(block, masks, surface);
-        }
-    }
     /// Deposits a surface of the far field over the samples `inside` of mask k, of which the subset `seen` is not
     /// behind geometry. Returns the part of each lane's transmittance that is left.
     FarPixels::LaneParts deposit(const MaskBlock& block, unsigned k, std::uint64_t inside, std::uint64_t seen,
-                                 const Surface& surface, bool is_first) {
-        const std::size_t at = 64 * block.index + k;
-        if constexpr (takes_deposits) {
-            if (is_first) filter_.add_at(at, 0, {}, true);
-        }
-        return far_.deposit(at, inside, seen, surface.loss, surface.far_rgb);
+                                 const Surface& surface) {
+        return far_.deposit(64 * block.index + k, inside, seen, surface.loss, surface.far_rgb);
     }
     /// The masks of a block that something was deposited into.
     std::uint64_t deposited(const MaskBlock& block) const { return far_.touched(block.index); }
@@ -114,13 +103,7 @@ class PixelSamples {
         return surface.is_flat ? surface.seen_color()
                                : surface.seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
     }
-    /// Takes back what add() or cover_masks() did; lazy z-buffering adds those samples again later.
-    void remove(const MaskBlock& block, unsigned k, std::uint64_t samples, const Surface& surface) {
-        if constexpr (!has_blocks) {
-            filter_.remove(8 * block.x + int(k % 8), 8 * block.y + int(k / 8), samples, color_of(block, k, surface));
-        }
-    }
-    /// Adds all samples of mask k; earlier ones were taken back.
+    /// Adds all samples of mask k.
     void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
         for (unsigned s = 0; s < 64; ++s) {
             add(block, k, std::uint64_t(1) << s, 1, deep.color[s], s == 0);
@@ -181,15 +164,12 @@ class SinglePixels {
                         surface.seen_color_at(block.sample_x_of(k) + s % 8, block.sample_y_of(k) + s / 8));
         }
     }
-    void remove(const MaskBlock&, unsigned, std::uint64_t, const Surface&) {}
-    void split_block(const MaskBlock&, std::uint64_t, const Surface&) {}
-    FarPixels::LaneParts deposit(const MaskBlock&, unsigned, std::uint64_t, std::uint64_t, const Surface&, bool) {
+    FarPixels::LaneParts deposit(const MaskBlock&, unsigned, std::uint64_t, std::uint64_t, const Surface&) {
         return {};
     }
     std::uint64_t deposited(const MaskBlock&) const { return no_subcells; }
     bool is_closed(const MaskBlock&, unsigned) const { return false; }
     void put_behind_deposits(const MaskBlock&, unsigned, unsigned, std::array<Rgba8, 8>&) const {}
-    static Rgba8 color_of(const MaskBlock&, unsigned, const Surface& surface) { return surface.seen_color(); }
     void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
         for (unsigned s = 0; s < 64; ++s) {
             pixels_.add(place(block, k), std::uint64_t(1) << s, deep.color[s]);

@@ -234,6 +234,7 @@ class PolygonSetup {
         Surface& s = polygon_.surface;
         s.color_weight = projection_.color_weight;
         s.is_flat = colors == nullptr;
+        s.has_gradient = false;
         s.colors.fill(r.color);
         bool is_opaque = r.color.a == 255;
         if (colors != nullptr) {

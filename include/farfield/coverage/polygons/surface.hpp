@@ -57,10 +57,11 @@ struct Surface {
     detail::FoldedDepth fold{};          ///< a quadrilateral's
     std::array<Rgba8, 4> colors;         ///< at corners; all the same where it is flat
     detail::SnappedTriangle triangle{};  ///< three corners where it is not flat, or folded, clockwise
-    detail::ColorGradient gradient{};    ///< where it is not flat, once find_gradient() was called
+    detail::ColorGradient gradient{};    ///< where it is not flat, once need_gradient() was called
     std::uint32_t hash = 0;              ///< chooses samples of a fraction and of a translucent surface
     SurfaceKind kind = SurfaceKind::opaque;
     bool is_flat = true;  ///< has one color
+    bool has_gradient = false;
     detail::ColorWeight color_weight{};
     Loss loss{};           ///< a deposit's
     glm::vec3 far_rgb{0};  ///< a deposit's, in [0, 1], not premultiplied
@@ -76,7 +77,12 @@ struct Surface {
     FARFIELD_INLINE bool covers_some() const { return kind >= SurfaceKind::fraction; }
     FARFIELD_INLINE bool is_deposit() const { return kind == SurfaceKind::deposit; }
 
-    FARFIELD_INLINE void find_gradient() { gradient = detail::ColorGradient(triangle, colors, color_weight); }
+    /// Call this before colors of a surface that is not flat are asked for.
+    FARFIELD_INLINE void need_gradient() {
+        if (is_flat || has_gradient) return;
+        gradient = detail::ColorGradient(triangle, colors, color_weight);
+        has_gradient = true;
+    }
 
     /// The color of a sample that shows the surface: opaque, because alpha has already chosen the samples.
     FARFIELD_INLINE Rgba8 seen_color() const { return seen(colors[0]); }  ///< where it is flat

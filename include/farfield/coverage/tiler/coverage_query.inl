@@ -43,17 +43,20 @@ class StartCells {
     int choose(int level, int x, int y) {
         const std::size_t cell = pyramid_.index(level, x, y);
         // A parent that was covered all at once has not updated the cells below.
-        const bool is_told = !depths_.is_covered_by_one(cell);
-        for (int up = level + 1, px = x, py = y; !is_told && up <= pyramid_.top_level(); ++up, px >>= 3, py >>= 3) {
+        for (int up = pyramid_.top_level(); up > level; --up) {
+            const int px = x >> 3 * (up - level - 1), py = y >> 3 * (up - level - 1);
             const std::size_t parent = pyramid_.index(up, px >> 3, py >> 3);
             const auto k = unsigned((py & 7) * 8 + (px & 7));
-            if ((pyramid_[parent].covered & bit_of(k)) == 0) continue;
-            if (depths_.is_behind(parent, k, up, px, py)) return level;
-            if (depths_.is_covered_by_one(pyramid_.index(up - 1, px, py))) return up;
+            if constexpr (Target::is_lazy) {
+                if (!depths_.is_whole(parent, k)) continue;
+                return depths_.is_behind(parent, k, up, px, py) ? level : up;
+            } else if ((pyramid_[parent].covered & bit_of(k)) != 0) {
+                return level;
+            }
         }
         const std::uint64_t wanted = box_.subcells(level, x, y);
         std::uint64_t hidden = wanted & pyramid_[cell].covered;
-        if (hidden != 0 && is_told) {
+        if (hidden != 0) {
             hidden &=
                 is_small_ && level == 1 ? depths_.few_behind(hidden, cell, x, y) : depths_.behind(cell, level, x, y);
         }
@@ -112,14 +115,7 @@ class CoverageQuery {
             const int child_x = 8 * x + int(k % 8), child_y = 8 * y + int(k / 8);
             if (level > 1) {
                 const Edges edges = edges_.inside(t, k, level);
-                const DepthPlane* cover = nullptr;
-                if ((cell.covered & bit_of(k)) != 0) {
-                    cover = depths_.cover_of(pyramid_.index(level - 1, child_x, child_y));
-                }
-                if (cover != nullptr ? sees_before(*cover, level - 1, child_x, child_y, edges)
-                                     : sees_cell(level - 1, child_x, child_y, edges)) {
-                    return true;
-                }
+                if (sees_child(at, k, level - 1, child_x, child_y, edges)) return true;
                 continue;
             }
             target_.work.asks(0, child_x, child_y);
@@ -128,6 +124,13 @@ class CoverageQuery {
             if ((edges_.samples_inside(t, x, y, k) & ~covered) != 0) return true;
         }
         return false;
+    }
+
+    bool sees_child(std::size_t parent, unsigned k, int level, int x, int y, const Edges& in) {
+        if constexpr (Target::is_lazy) {
+            if (depths_.is_whole(parent, k)) return sees_before(depths_.cover_of(parent, k), level, x, y, in);
+        }
+        return sees_cell(level, x, y, in);
     }
 
     /// Searches a cell that one surface covers entirely, down to masks: a part of one counts as seen.

@@ -20,11 +20,11 @@
 #include <type_traits>
 #include <utility>
 
+#include "farfield/coverage/a_buffer.hpp"
 #include "farfield/coverage/coverage_pyramid.hpp"
 #include "farfield/coverage/coverage_work.hpp"
 #include "farfield/coverage/edge_mask_table.hpp"
 #include "farfield/coverage/jitter.hpp"
-#include "farfield/coverage/lazy_depth.hpp"
 #include "farfield/coverage/pixels/mask_samples.hpp"
 #include "farfield/coverage/polygons/silhouette.hpp"
 #include "farfield/coverage/polygons/surface.hpp"
@@ -76,7 +76,7 @@ struct CoverageTarget {
 
     CoveragePyramid pyramid;
     samples_type samples;
-    std::conditional_t<is_lazy, LazyDepth, Nothing> lazy;
+    std::conditional_t<is_lazy, ABuffer, Nothing> fragments;
     typename Traits::work work;
     JitterPatterns patterns{masks == MaskSource::jittered ? Traits::jitter_patterns : 1};
     int first_x = 0, first_y = 0;  ///< the first sample, relative to the center sample
@@ -84,7 +84,7 @@ struct CoverageTarget {
     void begin(int width_px, int height_px, int first_sample_x, int first_sample_y) {
         pyramid.begin(width_px * samples_type::samples_a_side, height_px * samples_type::samples_a_side);
         samples.begin(width_px, height_px);
-        lazy.begin(pyramid);
+        fragments.begin(pyramid);
         work.begin(pyramid);
         first_x = first_sample_x;
         first_y = first_sample_y;
@@ -94,17 +94,81 @@ struct CoverageTarget {
         return {pyramid.index(1, x, y), x, y, 64 * x + first_x, 64 * y + first_y};
     }
 
+    /// Calls f(block) for the blocks in a cell.
+    template <class F>
+    FARFIELD_INLINE void for_blocks(int level, int x, int y, F&& f) const {
+        const int shift = 3 * (level - 1);
+        const int end_x = std::min((x + 1) << shift, pyramid.columns(1));
+        const int end_y = std::min((y + 1) << shift, pyramid.rows(1));
+        for (int by = y << shift; by < end_y; ++by) {
+            for (int bx = x << shift; bx < end_x; ++bx) f(block_at(bx, by));
+        }
+    }
+
     /// Writes the picture, after all samples have come.
     void resolve(Image& image) {
-        if constexpr (is_lazy) {
-            const auto columns = std::size_t(pyramid.columns(1));
-            for (const std::size_t at : lazy.deep_places()) {
-                const int x = int(at / 64 % columns), y = int(at / 64 / columns);
-                samples.replace(block_at(x, y), unsigned(at % 64), lazy.deep(at));
-            }
-        }
+        if constexpr (is_lazy) show(pyramid.top_level(), 0, 0);
         samples.resolve(image);
     }
+
+  private:
+    /// Passes what a cell shows to the samples.
+    void show(int level, int x, int y) requires(is_lazy) {
+        const std::size_t at = pyramid.index(level, x, y);
+        const ABuffer::Cell& cell = fragments.cell(at);
+        if (level == 1) return show_block(block_at(x, y));
+        for (std::uint32_t f = cell.list; f != ABuffer::none; f = fragments.fragment(f).next) {
+            const Surface& surface = shown(fragments.fragment(f).surface);
+            for (std::uint64_t left = fragments.fragment(f).bits; left != 0; left &= left - 1) {
+                const int k = std::countr_zero(left);
+                for_blocks(level - 1, 8 * x + k % 8, 8 * y + k / 8, [&](const MaskBlock& block) {
+                    samples.cover_block(block, pyramid.inside(block.index), surface);
+                });
+            }
+        }
+        for (std::uint64_t left = pyramid.inside(at) & ~cell.whole; left != 0; left &= left - 1) {
+            const int k = std::countr_zero(left);
+            show(level - 1, 8 * x + k % 8, 8 * y + k / 8);
+        }
+    }
+    void show_block(const MaskBlock& block) requires(is_lazy) {
+        const ABuffer::Cell& cell = fragments.cell(block.index);
+        const std::uint64_t inside = pyramid.inside(block.index);
+        if (cell.list != ABuffer::none && fragments.fragment(cell.list).bits == inside) {
+            return samples.cover_block(block, inside, shown(fragments.fragment(cell.list).surface));
+        }
+        samples.open_block(block);
+        for (std::uint32_t f = cell.list; f != ABuffer::none; f = fragments.fragment(f).next) {
+            samples.cover_masks(block, fragments.fragment(f).bits, shown(fragments.fragment(f).surface));
+        }
+        for (std::uint64_t left = inside & ~cell.whole; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            const std::size_t at = 64 * block.index + k;
+            if ((cell.deep >> k & 1) != 0) {
+                samples.replace(block, k, fragments.deep(at));
+                continue;
+            }
+            bool is_first = true;
+            for (std::uint32_t f = fragments.list(at); f != ABuffer::none; f = fragments.fragment(f).next) {
+                const std::uint64_t bits = fragments.fragment(f).bits;
+                samples.add(block, k, bits, bit_count(bits), shown(fragments.fragment(f).surface), is_first);
+                is_first = false;
+            }
+        }
+    }
+    /// The surface as it is to be shown.
+    const Surface& shown(std::uint32_t surface) requires(is_lazy) {
+        Surface* const details = fragments.details(surface);
+        if (details != nullptr && !details->is_flat) {
+            details->need_gradient();
+            return *details;
+        }
+        flat_.kind = SurfaceKind::background;  // the color as it is
+        flat_.colors[0] = fragments.color(surface);
+        return flat_;
+    }
+
+    Surface flat_{};
 };
 
 #define FARFIELD_LANES 1

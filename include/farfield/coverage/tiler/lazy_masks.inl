@@ -1,31 +1,27 @@
-// Masks of samples under lazy z-buffering (Greene 1996, section 6.1): a mask remembers which fragments it shows, and
-// where polygons overlap that do not come front to back it reverts to a z-buffer, for good. Compiled once for each
-// instruction set: see coverage_tiler.inl.
+// What a polygon does to cells and to masks of samples in either mode. In lazy mode (Greene 1996, section 6.1) they are
+// an A-buffer: a polygon takes the subcells and samples where it is nearer from the fragments that showed there, in
+// whichever order polygons come. Compiled once for each instruction set: see coverage_tiler.inl.
 
 /// The block of 8 x 8 masks that is being tiled.
 struct OpenBlock : MaskBlock {
     TriageMask* cell = nullptr;
     std::uint64_t* masks = nullptr;
-    bool drew = false, is_untouched = false;
+    bool drew = false;
     std::uint64_t behind = all_subcells;  ///< where the polygon lies behind all that is seen
-    // These are for lazy mode only.
-    std::uint64_t lowered = no_subcells;  ///< where the polygon may be the farthest that is seen
-    Extremes extremes;
+    Extremes extremes;                    ///< of the polygon, in lazy mode
 
     void open(CoveragePyramid& pyramid, const MaskBlock& at) {
         static_cast<MaskBlock&>(*this) = at;
         cell = &pyramid[index];
         masks = pyramid.samples_of_block(index);
-        is_untouched = pyramid.is_untouched(index);
         drew = false;
-        lowered = no_subcells;
     }
     std::uint64_t samples_outside(const CoveragePyramid& pyramid, unsigned k) const {
         return pyramid.samples_outside(8 * x + int(k % 8), 8 * y + int(k / 8));
     }
 };
 
-/// The masks of a block in strict mode: front to back, they tell all.
+/// Strict mode: front to back, masks tell all, and colors are final.
 template <class Target>
 class StrictMasks {
   protected:
@@ -35,84 +31,355 @@ class StrictMasks {
           surface_(surface),
           depths_(target, &surface.depth, 1, surface.fold.thickness) {}
 
-    std::uint64_t covered(unsigned k) const { return block_.masks[k]; }
-    bool tile_overlap(unsigned, std::uint64_t, std::uint64_t, bool) { return false; }
-    void add_fragment(unsigned, std::uint64_t, bool) {}
-    void add_whole(std::uint64_t) {}
-    void reserve_fragments() {}
+    // --- cells
+
+    /// Those subcells of a cell, all inside the polygon, that it covers at once.
+    std::uint64_t taken(std::uint64_t inside, std::size_t cell, const Extremes&) const {
+        return inside & pyramid_[cell].vacant;
+    }
+    void cover(std::size_t cell, int level, int x, int y, std::uint64_t subcells, const Extremes&) {
+        pyramid_[cell].covered |= subcells;
+        pyramid_[cell].vacant &= ~subcells;
+        for (; subcells != 0; subcells &= subcells - 1) {
+            const auto k = unsigned(std::countr_zero(subcells));
+            cover_cell(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8));
+        }
+    }
+    /// Prepares subcell k for being tiled.
+    void refine(std::size_t, unsigned, int, int, int) {}
+    /// Records that something was drawn into subcell k, which is this cell.
+    void drew_in(std::size_t parent, unsigned k, std::size_t cell, const Extremes&) { tell(parent, k, cell); }
+    void drew_somewhere_in(std::size_t parent, unsigned k, std::size_t cell) { tell(parent, k, cell); }
+
+    // --- masks
+
+    void open_block(const MaskBlock& at) {
+        block_.open(pyramid_, at);
+        is_untouched_ = pyramid_.is_untouched(at.index);
+    }
+    /// Covers an untouched block, if all its masks are `whole`.
+    bool cover_block(std::uint64_t whole) {
+        if (!is_untouched_ || whole != block_.cell->vacant) return false;
+        cover_cell(1, block_.x, block_.y);
+        *block_.cell = {all_subcells, no_subcells};
+        return true;
+    }
+    void begin_masks() {
+        if (is_untouched_) target_.samples.open_block(block_);
+    }
+    void cover_masks(std::uint64_t whole) {
+        target_.samples.cover_masks(block_, whole, surface_);
+        block_.cell->covered |= whole;
+        block_.cell->vacant &= ~whole;
+        block_.drew = true;
+    }
+    /// "W = P & ~C; C' = C | P" (section 3).
+    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
+        const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
+        const std::uint64_t covered = is_vacant ? block_.samples_outside(pyramid_, k) : block_.masks[k];
+        const std::uint64_t seen = inside & ~covered;
+        if (seen == 0) return;
+        block_.drew = true;
+        block_.masks[k] = covered | seen;
+        block_.cell->vacant &= ~bit_of(k);
+        if (block_.masks[k] == all_subcells) block_.cell->covered |= bit_of(k);
+        target_.samples.add(block_, k, seen, MaskKernel::count(seen), surface_, is_vacant);
+    }
 
     Target& target_;
     CoveragePyramid& pyramid_;
     Surface& surface_;
     CellDepths<Target> depths_;
     OpenBlock block_;
-};
-
-/// The masks of a block in lazy mode, for polygons in any order.
-template <class Target>
-class LazyMasks : protected StrictMasks<Target> {
-  protected:
-    using Base = StrictMasks<Target>;
-    using Base::target_, Base::surface_, Base::depths_, Base::block_;
-
-    using Base::Base;
-
-    /// The samples of mask k that are covered. Masks that were covered together with others are not written.
-    std::uint64_t covered(unsigned k) const {
-        return (block_.cell->covered >> k & 1) != 0 ? all_subcells : block_.masks[k];
-    }
-
-    /// Takes care of mask k if the polygon is deposited or may lie before anything the mask shows. Otherwise returns
-    /// false: the mask alone then tells what is seen, as in strict order.
-    FARFIELD_INLINE bool tile_overlap(unsigned k, std::uint64_t inside, std::uint64_t covered, bool is_vacant) {
-        if (inside == 0) return true;
-        if (surface_.is_deposit()) return deposit(k, inside, covered), true;
-        const std::uint64_t z_buffered = target_.lazy.block(block_.index).deep | target_.samples.deposited(block_);
-        const bool is_z_buffered = (z_buffered >> k & 1) != 0;
-        const bool may_meet = (inside & covered) != 0 && (block_.behind >> k & 1) == 0;
-        if (is_vacant || !(may_meet || is_z_buffered)) return false;
-        if (!is_z_buffered && is_behind_fragments(k, inside & covered)) return false;
-        tile_deep(k, inside, covered);
-        return true;
-    }
-
-    /// Records what was drawn into a mask that is not z-buffered; reserve_fragments() has made room.
-    void add_fragment(unsigned k, std::uint64_t seen, bool is_vacant) {
-        std::uint32_t& history = target_.lazy.history(64 * block_.index + k);
-        if (is_vacant) history = LazyDepth::none;
-        target_.lazy.add_fragment(history, seen, depths_.surface_index());
-        block_.lowered |= bit_of(k);
-    }
-    void add_whole(std::uint64_t whole) {
-        target_.lazy.add_fragment(target_.lazy.block(block_.index).whole_masks, whole, depths_.surface_index());
-        block_.lowered |= whole;
-    }
-    void reserve_fragments() { target_.lazy.reserve_fragments(65); }
 
   private:
-    /// Whether the polygon lies behind everything that these samples of a mask show. Bounds over a whole mask cannot
-    /// tell that where surfaces are steep.
-    [[gnu::noinline]] bool is_behind_fragments(unsigned k, std::uint64_t samples) const {
-        const LazyDepth& lazy = target_.lazy;
-        for (std::uint32_t f = lazy.block(block_.index).whole_masks; f != LazyDepth::none; f = lazy.fragment(f).next) {
-            if ((lazy.fragment(f).bits >> k & 1) != 0)
-                return is_behind(k, lazy.depth(lazy.fragment(f).surface), samples);
-        }
-        for (std::uint32_t f = lazy.history(64 * block_.index + k); f != LazyDepth::none; f = lazy.fragment(f).next) {
-            const std::uint64_t shared = lazy.fragment(f).bits & samples;
-            if (shared != 0 && !is_behind(k, lazy.depth(lazy.fragment(f).surface), shared)) return false;
-        }
-        return true;
+    void tell(std::size_t parent, unsigned k, std::size_t cell) {
+        pyramid_[parent].vacant &= ~bit_of(k);
+        if (pyramid_.is_covered(cell)) pyramid_[parent].covered |= bit_of(k);
     }
-    bool is_behind(unsigned k, const DepthPlane& other, std::uint64_t samples) const {
-        if (surface_.depth.highest < other.lowest) return true;
+    /// Covers all samples of a vacant cell.
+    void cover_cell(int level, int x, int y) {
+        target_.for_blocks(level, x, y, [&](const MaskBlock& block) {
+            target_.samples.cover_block(block, pyramid_.inside(block.index), surface_);
+        });
+    }
+
+    bool is_untouched_ = false;
+};
+
+/// Lazy mode, for polygons in any order. Colors are found when the picture is made.
+template <class Target>
+class LazyMasks {
+  protected:
+    LazyMasks(Target& target, Surface& surface)
+        : target_(target),
+          pyramid_(target.pyramid),
+          fragments_(target.fragments),
+          surface_(surface),
+          depths_(target, &surface.depth, 1, surface.fold.thickness) {}
+
+    // --- cells
+
+    /// Vacant ones, and those in which it lies before all that is seen.
+    std::uint64_t taken(std::uint64_t inside, std::size_t cell, const Extremes& extremes) const {
+        const std::uint64_t vacant = inside & pyramid_[cell].vacant;
+        if (vacant == inside) return inside;
+        return vacant | (inside & MaskKernel::plane_above(extremes.low_rows, extremes.low_columns,
+                                                          surface_.depth.lowest, surface_.depth.highest,
+                                                          fragments_.nearest(cell).q.data()));
+    }
+    void cover(std::size_t cell, int, int, int, std::uint64_t subcells, const Extremes& extremes) {
+        fragments_.reserve_fragments(1);
+        cover(cell, subcells, surface_index(), surface_.depth, extremes);
+    }
+    /// Prepares subcell k of a cell for being tiled: what was covered at once is passed on.
+    void refine(std::size_t cell, unsigned k, int level, int x, int y) {
+        if (!depths_.is_whole(cell, k)) return;
+        fragments_.reserve_fragments(1);
+        const std::uint32_t surface = part_of_whole(cell, k);
+        const std::size_t child = pyramid_.index(level - 1, x, y);
+        fragments_.open(child);
+        const std::uint64_t inside = pyramid_.inside(child);
+        pyramid_[child] = {~inside, inside};
+        const DepthPlane& depth = fragments_.record(surface).depth;
+        Extremes extremes;
+        depths_.find_extremes(depth, level - 1, x, y, extremes);
+        if (const Surface* details = fragments_.details(surface)) extremes.raise_highest(details->fold.thickness);
+        cover(child, inside, surface, depth, extremes);
+    }
+    void drew_in(std::size_t parent, unsigned k, std::size_t cell, const Extremes& extremes) {
+        const DepthPlane& d = surface_.depth;
+        bound(parent, k, cell, d.inside(extremes.low_rows[k / 8] + extremes.low_columns[k % 8]),
+              bound_of_nearest(d.inside(extremes.high_rows[k / 8] + extremes.high_columns[k % 8])));
+    }
+    void drew_somewhere_in(std::size_t parent, unsigned k, std::size_t cell) {
+        bound(parent, k, cell, surface_.depth.lowest, bound_of_nearest(surface_.depth.highest));
+    }
+
+    // --- masks
+
+    void open_block(const MaskBlock& at) {
+        block_.open(pyramid_, at);
+        if (pyramid_.is_untouched(at.index)) fragments_.open(at.index);
+    }
+    bool cover_block(std::uint64_t) { return false; }
+    void begin_masks() { fragments_.reserve_fragments(2 * 64 + 1); }
+    void cover_masks(std::uint64_t whole) {
+        cover(block_.index, whole, surface_index(), surface_.depth, block_.extremes);
+        block_.drew = true;
+    }
+
+    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
+        if (inside == 0) return;
+        const std::size_t at = 64 * block_.index + k;
+        const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
+        const bool is_whole = (fragments_.cell(block_.index).whole >> k & 1) != 0;
+        const std::uint64_t covered = is_vacant  ? block_.samples_outside(pyramid_, k)
+                                      : is_whole ? all_subcells
+                                                 : block_.masks[k];
+        if (surface_.is_deposit()) return deposit(k, inside, covered);
+        const std::uint64_t z_buffered = fragments_.cell(block_.index).deep | target_.samples.deposited(block_);
+        if (!is_vacant && (z_buffered >> k & 1) != 0) return tile_deep(k, inside, covered);
+        std::uint64_t meets = inside & covered;
+        if ((block_.behind >> k & 1) != 0 || is_vacant) meets = no_subcells;
+        const float lowest = lowest_in(k), highest = highest_in(k);
+        std::uint64_t taken = meets;
+        if (meets != 0 && !(lowest > fragments_.nearest(block_.index).q[k])) {
+            taken = is_whole ? nearer_than(fragments_.surface_of_whole(block_.index, k), k, meets)
+                             : nearer_in_list(fragments_.list(at), k, meets, lowest, highest);
+        }
+        const std::uint64_t seen = (inside & ~covered) | taken;
+        if (seen == 0) return;
+        block_.drew = true;
+        if (is_whole) open_mask(k);
+        if (is_vacant) fragments_.list(at) = ABuffer::none;
+        float& farthest = fragments_.farthest(block_.index).q[k];
+        float& nearest = fragments_.nearest(block_.index).q[k];
+        const std::uint32_t surface = surface_index();
+        if (taken != 0) {
+            farthest = std::numeric_limits<float>::infinity();
+            if (take(fragments_.list(at), taken, farthest) >= most_fragments) {
+                // Shows too many surfaces.
+                return tile_deep(k, inside, covered & ~taken);
+            }
+        }
+        fragments_.add_fragment(fragments_.list(at), {seen, surface, ABuffer::none, lowest, highest});
+        farthest = std::min(farthest, lowest);
+        nearest = std::max(nearest, highest);
+        block_.masks[k] = covered | seen;
+        block_.cell->vacant &= ~bit_of(k);
+        if (block_.masks[k] == all_subcells) block_.cell->covered |= bit_of(k);
+    }
+
+    Target& target_;
+    CoveragePyramid& pyramid_;
+    ABuffer& fragments_;
+    Surface& surface_;
+    CellDepths<Target> depths_;
+    OpenBlock block_;
+
+  private:
+    /// A mask that shows more surfaces is z-buffered: then a list costs more to compare with than 64 samples.
+    static constexpr int most_fragments = 16;
+
+    /// The surface's number; it is kept once something of it is seen.
+    std::uint32_t surface_index() {
+        if (index_ == ABuffer::none) index_ = fragments_.add(surface_);
+        return index_;
+    }
+    SeenSurface own() const {
+        return {surface_.depth, surface_.is_flat && surface_.fold.thickness == 0 ? nullptr : &surface_,
+                surface_.seen_color()};
+    }
+    SeenSurface seen_surface(std::uint32_t index) const {
+        return {fragments_.record(index).depth, fragments_.details(index), fragments_.color(index)};
+    }
+    float lowest_in(unsigned k) const {
+        return surface_.depth.inside(block_.extremes.low_rows[k / 8] + block_.extremes.low_columns[k % 8]);
+    }
+    float highest_in(unsigned k) const {
+        return surface_.depth.inside(block_.extremes.high_rows[k / 8] + block_.extremes.high_columns[k % 8]);
+    }
+
+    // --- cells
+
+    /// Nothing takes a cell with deposits at once: they attenuate what comes after them.
+    float bound_of_nearest(float highest) const {
+        return surface_.is_deposit() ? std::numeric_limits<float>::infinity() : highest;
+    }
+    /// Covers subcells of a cell at once, whatever they showed.
+    void cover(std::size_t at, std::uint64_t subcells, std::uint32_t surface, const DepthPlane& depth,
+               const Extremes& extremes) {
+        ABuffer::Cell& cell = fragments_.cell(at);
+        if ((cell.whole & subcells) != 0) fragments_.take(cell.list, subcells);
+        for (std::uint64_t left = cell.deep & subcells; left != 0; left &= left - 1) {
+            fragments_.release_deep(64 * at + unsigned(std::countr_zero(left)));
+        }
+        cell.deep &= ~subcells;
+        cell.whole |= subcells;
+        fragments_.add_fragment(cell.list, {subcells, surface, ABuffer::none, 0, 0});
+        pyramid_[at].covered |= subcells;
+        pyramid_[at].vacant &= ~subcells;
+        MaskKernel::update<MaskKernel::Update::assign>(subcells, extremes.low_rows, extremes.low_columns, depth.lowest,
+                                                       depth.highest, fragments_.farthest(at).q.data());
+        MaskKernel::update<MaskKernel::Update::assign>(subcells, extremes.high_rows, extremes.high_columns,
+                                                       depth.lowest, depth.highest, fragments_.nearest(at).q.data());
+    }
+    /// Subcell k is no longer whole. Returns the surface that it showed.
+    std::uint32_t part_of_whole(std::size_t at, unsigned k) {
+        ABuffer::Cell& cell = fragments_.cell(at);
+        std::uint32_t* link = &cell.list;
+        while ((fragments_.fragment(*link).bits >> k & 1) == 0) link = &fragments_.fragment(*link).next;
+        ABuffer::Fragment& f = fragments_.fragment(*link);
+        const std::uint32_t surface = f.surface;
+        f.bits &= ~bit_of(k);
+        if (f.bits == 0) fragments_.unlink(*link);
+        cell.whole &= ~bit_of(k);
+        return surface;
+    }
+    /// Records that something between these depths was drawn into subcell k, which is this cell.
+    void bound(std::size_t parent, unsigned k, std::size_t cell, float lowest, float highest) {
+        TriageMask& mask = pyramid_[parent];
+        mask.vacant &= ~bit_of(k);
+        float& farthest = fragments_.farthest(parent).q[k];
+        float& nearest = fragments_.nearest(parent).q[k];
+        nearest = std::max(nearest, highest);
+        if (!pyramid_.is_covered(cell)) {
+            farthest = std::min(farthest, lowest);
+            return;
+        }
+        // The farthest thing of it may have been hidden since: it knows the depth better.
+        mask.covered |= bit_of(k);
+        farthest = MaskKernel::least(fragments_.farthest(cell).q.data());
+    }
+
+    // --- masks
+
+    /// Turns mask k, which one surface covers at once, into a list.
+    void open_mask(unsigned k) {
+        const std::size_t at = 64 * block_.index + k;
+        const std::uint32_t surface = part_of_whole(block_.index, k);
+        fragments_.list(at) = ABuffer::none;
+        fragments_.add_fragment(fragments_.list(at),
+                                {all_subcells, surface, ABuffer::none, fragments_.farthest(block_.index).q[k],
+                                 fragments_.nearest(block_.index).q[k]});
+        block_.masks[k] = all_subcells;
+    }
+    /// Takes samples away from all fragments of a list; finds the least q of those that are left, and counts them.
+    int take(std::uint32_t& list, std::uint64_t samples, float& farthest) {
+        int count = 0;
+        for (std::uint32_t* link = &list; *link != ABuffer::none;) {
+            ABuffer::Fragment& f = fragments_.fragment(*link);
+            f.bits &= ~samples;
+            if (f.bits == 0) {
+                fragments_.unlink(*link);
+                continue;
+            }
+            farthest = std::min(farthest, f.lowest);
+            link = &f.next;
+            ++count;
+        }
+        return count;
+    }
+
+    /// Those of some samples where the polygon wins over what a mask shows.
+    [[gnu::noinline]] std::uint64_t nearer_in_list(std::uint32_t list, unsigned k, std::uint64_t samples, float lowest,
+                                                   float highest) {
+        std::uint64_t nearer = 0;
+        for (; list != ABuffer::none; list = fragments_.fragment(list).next) {
+            const ABuffer::Fragment& f = fragments_.fragment(list);
+            const std::uint64_t shared = samples & f.bits;
+            if (shared == 0 || highest < f.lowest) continue;
+            nearer |= lowest > f.highest ? shared : nearer_than(f.surface, k, shared);
+        }
+        return nearer;
+    }
+    /// The same for one surface. The nearer wins, of two at the same depth the larger color.
+    [[gnu::noinline]] std::uint64_t nearer_than(std::uint32_t other_surface, unsigned k, std::uint64_t samples) {
         const int x = block_.sample_x_of(k), y = block_.sample_y_of(k);
-        Extremes own, others;
-        own.find(surface_.depth, x, y, 1);
-        others.find(other, x, y, 1);
-        return (MaskKernel::plane_below(own.low_rows, own.low_columns, surface_.depth, others.low_rows,
-                                        others.low_columns, other) &
-                samples) == samples;
+        const SeenSurface one = own(), other = seen_surface(other_surface);
+        const MaskDepths one_depths(one, x, y), other_depths(other, x, y);
+        std::uint64_t nearer = 0, equal = 0;
+        for (int j = 0; j < 8; ++j) {
+            MaskKernel::EightFloats q, other_q;
+            one_depths.set_row(j, q);
+            other_depths.set_row(j, other_q);
+            const unsigned bits = MaskKernel::greater_or_equal(q, other_q);
+            nearer |= std::uint64_t(bits & 255) << (8 * j);
+            equal |= std::uint64_t(bits >> 8) << (8 * j);
+        }
+        equal &= samples;
+        if (equal != 0) [[unlikely]]
+            nearer |= wins_ties(one, other, k, equal);
+        return nearer & samples;
+    }
+    [[gnu::noinline]] std::uint64_t wins_ties(const SeenSurface& one, const SeenSurface& other, unsigned k,
+                                              std::uint64_t samples) {
+        if (!Target::samples_type::shades_samples || (one.is_flat() && other.is_flat()))
+            return std::bit_cast<std::uint32_t>(color_of(one, k)) > std::bit_cast<std::uint32_t>(color_of(other, k))
+                       ? samples
+                       : no_subcells;
+        std::uint64_t wins = 0;
+        for (; samples != 0; samples &= samples - 1) {
+            const auto s = unsigned(std::countr_zero(samples));
+            if (std::bit_cast<std::uint32_t>(color_at(one, k, s)) > std::bit_cast<std::uint32_t>(color_at(other, k, s)))
+                wins |= bit_of(s);
+        }
+        return wins;
+    }
+
+    // --- colors
+
+    /// The one color of a mask.
+    Rgba8 color_of(const SeenSurface& surface, unsigned k) const {
+        if (surface.is_flat()) return surface.color;
+        surface.details->need_gradient();
+        return surface.details->seen_color_of_pixel(block_.sample_x_of(k), block_.sample_y_of(k));
+    }
+    Rgba8 color_at(const SeenSurface& surface, unsigned k, unsigned sample) const {
+        if (surface.is_flat()) return surface.color;
+        return surface.details->seen_color_at(block_.sample_x_of(k) + int(sample % 8),
+                                              block_.sample_y_of(k) + int(sample / 8));
     }
 
     // --- z-buffers
@@ -120,41 +387,40 @@ class LazyMasks : protected StrictMasks<Target> {
     /// Draws into a mask's z-buffer, to which the mask reverts first if it has none.
     [[gnu::noinline]] void tile_deep(unsigned k, std::uint64_t inside, std::uint64_t covered) {
         const std::size_t at = 64 * block_.index + k;
-        if ((target_.lazy.block(block_.index).deep >> k & 1) == 0) make_deep(k, covered);
-        DeepMask& deep = target_.lazy.deep(at);
-        const std::uint64_t seen = draw_deep(deep, k, inside, covered, surface_);
+        if ((fragments_.cell(block_.index).deep >> k & 1) == 0) make_deep(k, covered);
+        DeepMask& deep = fragments_.deep(at);
+        const std::uint64_t seen = draw_deep(deep, k, inside, covered, own());
         if (seen == 0) return;
         block_.drew = true;
         block_.masks[k] = covered | seen;
+        block_.cell->vacant &= ~bit_of(k);
         if (block_.masks[k] == all_subcells) block_.cell->covered |= bit_of(k);
-        target_.lazy.farthest(block_.index).q[k] =
-            least_of(deep, block_.masks[k] & ~block_.samples_outside(target_.pyramid, k));
+        fragments_.farthest(block_.index).q[k] =
+            least_of(deep, block_.masks[k] & ~block_.samples_outside(pyramid_, k));
+        float& nearest = fragments_.nearest(block_.index).q[k];
+        nearest = std::max(nearest, highest_in(k));
     }
 
+    /// A mask that is vacant becomes one without samples.
     void make_deep(unsigned k, std::uint64_t covered) {
         ++target_.work.masks_z_buffered;
-        LazyDepth::Block& of_block = target_.lazy.block(block_.index);
         const std::size_t at = 64 * block_.index + k;
-        std::uint32_t list = target_.lazy.history(at);
-        DeepMask& deep = target_.lazy.make_deep(at);
-        of_block.deep |= bit_of(k);
+        const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
+        if ((fragments_.cell(block_.index).whole >> k & 1) != 0) open_mask(k);
+        std::uint32_t list = is_vacant ? ABuffer::none : fragments_.list(at);
+        DeepMask& deep = fragments_.make_deep(at);
+        fragments_.cell(block_.index).deep |= bit_of(k);
         block_.masks[k] = covered;
-        const auto replay = [&](const Surface& surface, std::uint64_t samples) {
-            target_.samples.remove(block_, k, samples, surface);
-            draw_deep(deep, k, samples, no_subcells, surface);
-        };
-        for (std::uint32_t f = of_block.whole_masks; f != LazyDepth::none; f = target_.lazy.fragment(f).next) {
-            if ((target_.lazy.fragment(f).bits >> k & 1) == 0) continue;
-            return replay(target_.lazy.surface(target_.lazy.fragment(f).surface), all_subcells);
-        }
-        for (; list != LazyDepth::none; list = target_.lazy.fragment(list).next) {
-            replay(target_.lazy.surface(target_.lazy.fragment(list).surface), target_.lazy.fragment(list).bits);
+        while (list != ABuffer::none) {
+            const ABuffer::Fragment& f = fragments_.fragment(list);
+            draw_deep(deep, k, f.bits, no_subcells, seen_surface(f.surface));
+            fragments_.unlink(list);
         }
     }
 
     /// Draws as ZBufferRenderer does: the nearer wins, of two at the same depth the larger color. Returns what it drew.
     std::uint64_t draw_deep(DeepMask& deep, unsigned k, std::uint64_t inside, std::uint64_t covered,
-                            const Surface& surface) const {
+                            const SeenSurface& surface) const {
         using EightFloats = MaskKernel::EightFloats;
         using EightInts = MaskKernel::EightInts;
         using EightWords = MaskKernel::EightWords;
@@ -162,15 +428,15 @@ class LazyMasks : protected StrictMasks<Target> {
         std::array<Rgba8, 8> colors;
         constexpr bool shades_samples = Target::samples_type::shades_samples;
         const bool has_deposits = (target_.samples.deposited(block_) >> k & 1) != 0;
-        const Rgba8 of_pixel = target_.samples.color_of(block_, k, surface);
+        const Rgba8 of_pixel = shades_samples ? surface.color : color_of(surface, k);
         colors.fill(of_pixel);
         const MaskDepths depths_of_mask(surface, x, y);
         std::uint64_t drawn = 0;
         for (int j = 0; j < 8; ++j) {
             const auto wanted = unsigned(inside >> (8 * j) & 255);
             if (wanted == 0) continue;
-            if (shades_samples && !surface.is_flat) {
-                for (int i = 0; i < 8; ++i) colors[std::size_t(i)] = surface.seen_color_at(x + i, y + j);
+            if (shades_samples && !surface.is_flat()) {
+                for (unsigned i = 0; i < 8; ++i) colors[i] = color_at(surface, k, unsigned(8 * j) + i);
             }
             if (has_deposits) {
                 colors.fill(of_pixel);
@@ -216,10 +482,10 @@ class LazyMasks : protected StrictMasks<Target> {
     /// pixel that has geometry too is z-buffered, so that anything nearer than a deposit stays as it is.
     [[gnu::noinline]] void deposit(unsigned k, std::uint64_t inside, std::uint64_t covered) {
         const std::size_t at = 64 * block_.index + k;
-        const std::uint64_t outside = block_.samples_outside(target_.pyramid, k);
+        const std::uint64_t outside = block_.samples_outside(pyramid_, k);
         if ((inside & ~outside) == 0) return;
         const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
-        const bool is_deep = !is_vacant && (target_.lazy.block(block_.index).deep >> k & 1) != 0;
+        const bool is_deep = !is_vacant && (fragments_.cell(block_.index).deep >> k & 1) != 0;
         const bool has_geometry = is_deep || (!is_vacant && (covered & ~outside) != 0);
         if (has_geometry && !is_deep) make_deep(k, covered);
         std::uint64_t farther = 0;  // geometry behind the deposit
@@ -228,7 +494,7 @@ class LazyMasks : protected StrictMasks<Target> {
             for (std::uint64_t left = inside & covered & ~outside; left != 0; left &= left - 1) {
                 const auto s = unsigned(std::countr_zero(left));
                 const float q = d.at(d.row(block_.sample_y_of(k) + int(s / 8)), block_.sample_x_of(k) + int(s % 8));
-                if (q > target_.lazy.deep(at).q[s]) farther |= bit_of(s);
+                if (q > fragments_.deep(at).q[s]) farther |= bit_of(s);
             }
         }
         const std::uint64_t seen = (inside & ~covered) | farther;
@@ -237,20 +503,24 @@ class LazyMasks : protected StrictMasks<Target> {
         if (is_vacant) {
             block_.masks[k] = outside;
             block_.cell->vacant &= ~bit_of(k);
-            target_.lazy.history(at) = LazyDepth::none;
+            fragments_.list(at) = ABuffer::none;
         }
-        const auto let_through = target_.samples.deposit(block_, k, inside, seen, surface_, is_vacant);
+        fragments_.nearest(block_.index).q[k] = std::numeric_limits<float>::infinity();
+        const auto let_through = target_.samples.deposit(block_, k, inside, seen, surface_);
         for (; farther != 0; farther &= farther - 1) {
             const auto sample = unsigned(std::countr_zero(farther));
-            Rgba8& c = target_.lazy.deep(at).color[sample];
+            Rgba8& c = fragments_.deep(at).color[sample];
             c = FarPixels::attenuated(c, let_through[FarPixels::lane_of(sample)]);
         }
         if (!target_.samples.is_closed(block_, k) || (~covered & ~outside) == 0) return;
         // A pixel that deposits have closed counts as covered, at their depth, by samples that add no color.
         if (has_geometry) return tile_deep(k, ~covered, covered);
+        fragments_.add_fragment(fragments_.list(at),
+                                {~covered, surface_index(), ABuffer::none, lowest_in(k), highest_in(k)});
+        fragments_.farthest(block_.index).q[k] = lowest_in(k);
         block_.masks[k] = all_subcells;
         block_.cell->covered |= bit_of(k);
-        target_.lazy.add_fragment(target_.lazy.history(at), ~covered, depths_.surface_index());
-        block_.lowered |= bit_of(k);
     }
+
+    std::uint32_t index_ = ABuffer::none;
 };

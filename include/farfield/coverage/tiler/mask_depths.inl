@@ -1,24 +1,31 @@
-// Depths of the samples of one mask. Quadrilaterals need not be plane: they have the depths of the two triangles that a
-// z-buffer makes of them. Compiled once for each instruction set: see coverage_tiler.inl.
+// Surfaces as the samples of one mask see them: depths, bit by bit those of a z-buffer, and colors. Compiled once for each
+// instruction set: see coverage_tiler.inl.
 
-/// The depths of a mask's samples, eight in a row, bit by bit those of a z-buffer. They are set in place: where
-/// vectors are wider than the target's, g++ warns of functions that return them.
+/// A surface at work or of the A-buffer; neither is copied.
+struct SeenSurface {
+    const DepthPlane& depth;  ///< of one without a fold
+    Surface* details;         ///< null for one that is flat and plane
+    Rgba8 color;              ///< of one that is flat
+
+    bool is_flat() const { return details == nullptr || details->is_flat; }
+    bool is_folded() const { return details != nullptr && details->fold.thickness != 0; }
+};
+
+/// The depths of a mask's samples, eight in a row. Quadrilaterals need not be plane: they have the depths of the two
+/// triangles that a z-buffer makes of them. Depths are set in place: where vectors are wider than the target's, g++
+/// warns of functions that return them.
 class MaskDepths {
     using EightFloats = MaskKernel::EightFloats;
     using EightInts = MaskKernel::EightInts;
 
   public:
-    MaskDepths(const Surface& surface, int x, int y) : y_(y), planes_{surface.depth, {}} {
-        if (surface.fold.thickness != 0) [[unlikely]]
-            unfold(surface, x, y);
-        const auto set_columns = [&](unsigned plane) {
-            const DepthPlane& d = planes_[plane];
-            columns_[plane] = d.by_x * (EightFloats{0, 1, 2, 3, 4, 5, 6, 7} + float(x) + d.base_x);
-        };
-        set_columns(0);
-        if (first_ != all_subcells) set_columns(1);
+    FARFIELD_INLINE MaskDepths(const SeenSurface& surface, int x, int y) : y_(y), planes_{surface.depth, {}} {
+        if (surface.is_folded()) [[unlikely]]
+            unfold(*surface.details, x, y);
+        set_columns(0, x);
+        if (first_ != all_subcells) set_columns(1, x);
     }
-    void set_row(int j, EightFloats& q) const {
+    FARFIELD_INLINE void set_row(int j, EightFloats& q) const {
         set_row(0, j, q);
         if (first_ == all_subcells) return;
         EightInts is_first;
@@ -29,7 +36,11 @@ class MaskDepths {
     }
 
   private:
-    void set_row(std::size_t plane, int j, EightFloats& q) const {
+    FARFIELD_INLINE void set_columns(std::size_t plane, int x) {
+        const DepthPlane& d = planes_[plane];
+        columns_[plane] = d.by_x * (EightFloats{0, 1, 2, 3, 4, 5, 6, 7} + float(x) + d.base_x);
+    }
+    FARFIELD_INLINE void set_row(std::size_t plane, int j, EightFloats& q) const {
         const DepthPlane& d = planes_[plane];
         q = d.row(y_ + j) + columns_[plane];
         q = q < d.lowest ? EightFloats{} + d.lowest : q;

@@ -74,71 +74,32 @@ struct MaskKernel {
     /// Bit 8 * j + i: rows[j] + columns[i], clamped to [lowest, highest], is below limits[8 * j + i].
     static std::uint64_t plane_below(const float* rows, const float* columns, float lowest, float highest,
                                      const float* limits) {
-        std::uint64_t mask = 0;
+        return compare_plane<false>(rows, columns, lowest, highest, limits);
+    }
+    /// The same for above.
+    static std::uint64_t plane_above(const float* rows, const float* columns, float lowest, float highest,
+                                     const float* limits) {
+        return compare_plane<true>(rows, columns, lowest, highest, limits);
+    }
+
+    /// Bits of a row: a > b, and a == b above them.
+    static unsigned greater_or_equal(const EightFloats& a, const EightFloats& b) {
 #if FARFIELD_LANES >= 8
-        const __m256 c = _mm256_load_ps(columns), low = _mm256_set1_ps(lowest), high = _mm256_set1_ps(highest);
-        for (unsigned j = 0; j < 8; ++j) {
-            const __m256 q = _mm256_min_ps(_mm256_max_ps(_mm256_add_ps(_mm256_set1_ps(rows[j]), c), low), high);
-            const __m256 is_below = _mm256_cmp_ps(q, _mm256_load_ps(limits + 8 * j), _CMP_LT_OQ);
-            mask |= std::uint64_t(std::uint32_t(_mm256_movemask_ps(is_below))) << (8 * j);
-        }
-#elif FARFIELD_LANES == 4
-        const __m128 low = _mm_set1_ps(lowest), high = _mm_set1_ps(highest);
-        for (unsigned k = 0; k < 16; ++k) {
-            const __m128 sum = _mm_add_ps(_mm_set1_ps(rows[k / 2]), _mm_load_ps(columns + k % 2 * 4));
-            const __m128 is_below = _mm_cmplt_ps(_mm_min_ps(_mm_max_ps(sum, low), high), _mm_load_ps(limits + 4 * k));
-            mask |= std::uint64_t(std::uint32_t(_mm_movemask_ps(is_below))) << (4 * k);
-        }
+        const __m256 x = reinterpret_cast<__m256>(a), y = reinterpret_cast<__m256>(b);
+        return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(x, y, _CMP_GT_OQ))) |
+               unsigned(_mm256_movemask_ps(_mm256_cmp_ps(x, y, _CMP_EQ_OQ))) << 8;
 #else
-        for (unsigned k = 0; k < 64; ++k) {
-            const float q = std::min(std::max(rows[k / 8] + columns[k % 8], lowest), highest);
-            mask |= std::uint64_t(q < limits[k]) << k;
-        }
+        return byte_of(a > b) | byte_of(a == b) << 8;
 #endif
-        return mask;
     }
 
-    /// Bit 8 * j + i: rows[j] + columns[i], clamped to the range of plane d, is below the same for plane o.
-    static std::uint64_t plane_below(const float* rows, const float* columns, const DepthPlane& d,
-                                     const float* other_rows, const float* other_columns, const DepthPlane& o) {
-        std::uint64_t mask = 0;
-#if FARFIELD_LANES == 16
-        const __m512 c = _mm512_maskz_broadcast_f32x8(all, _mm256_load_ps(columns)), low = _mm512_set1_ps(d.lowest),
-                     high = _mm512_set1_ps(d.highest);
-        const __m512 other_c = _mm512_maskz_broadcast_f32x8(all, _mm256_load_ps(other_columns)),
-                     other_low = _mm512_set1_ps(o.lowest), other_high = _mm512_set1_ps(o.highest);
-        for (unsigned j = 0; j < 8; j += 2) {
-            __m512 q = _mm512_maskz_insertf32x8(all, _mm512_set1_ps(rows[j]), _mm256_set1_ps(rows[j + 1]), 1);
-            __m512 r =
-                _mm512_maskz_insertf32x8(all, _mm512_set1_ps(other_rows[j]), _mm256_set1_ps(other_rows[j + 1]), 1);
-            q = _mm512_maskz_min_ps(all, _mm512_maskz_max_ps(all, _mm512_add_ps(q, c), low), high);
-            r = _mm512_maskz_min_ps(all, _mm512_maskz_max_ps(all, _mm512_add_ps(r, other_c), other_low), other_high);
-            mask |= std::uint64_t(_mm512_cmp_ps_mask(q, r, _CMP_LT_OQ)) << (8 * j);
-        }
-#elif FARFIELD_LANES == 8
-        const __m256 c = _mm256_load_ps(columns), low = _mm256_set1_ps(d.lowest), high = _mm256_set1_ps(d.highest);
-        const __m256 other_c = _mm256_load_ps(other_columns), other_low = _mm256_set1_ps(o.lowest),
-                     other_high = _mm256_set1_ps(o.highest);
-        for (unsigned j = 0; j < 8; ++j) {
-            const __m256 q = _mm256_min_ps(_mm256_max_ps(_mm256_add_ps(_mm256_set1_ps(rows[j]), c), low), high);
-            const __m256 r = _mm256_min_ps(
-                _mm256_max_ps(_mm256_add_ps(_mm256_set1_ps(other_rows[j]), other_c), other_low), other_high);
-            const __m256 is_below = _mm256_cmp_ps(q, r, _CMP_LT_OQ);
-            mask |= std::uint64_t(std::uint32_t(_mm256_movemask_ps(is_below))) << (8 * j);
-        }
-#else
-        alignas(32) float limits[64];
-        for (unsigned k = 0; k < 64; ++k) {
-            limits[k] = std::min(std::max(other_rows[k / 8] + other_columns[k % 8], o.lowest), o.highest);
-        }
-        mask = plane_below(rows, columns, d.lowest, d.highest, limits);
-#endif
-        return mask;
-    }
+    enum class Update { lower, raise, assign };
 
-    /// Lowers limits[8 * j + i] to rows[j] + columns[i], clamped to [lowest, highest], where bit 8 * j + i is set.
-    static void lower(std::uint64_t bits, const float* rows, const float* columns, float lowest, float highest,
-                      float* limits) {
+    /// Lowers or raises limits[8 * j + i] to rows[j] + columns[i], clamped to [lowest, highest], or sets it, where bit
+    /// 8 * j + i is set.
+    template <Update how>
+    static void update(std::uint64_t bits, const float* rows, const float* columns, float lowest, float highest,
+                       float* limits) {
 #if FARFIELD_LANES == 16
         const __m512 c = _mm512_maskz_broadcast_f32x8(all, _mm256_load_ps(columns));
         const __m512 low = _mm512_set1_ps(lowest), high = _mm512_set1_ps(highest);
@@ -146,7 +107,14 @@ struct MaskKernel {
             const __m512 two_rows = _mm512_maskz_insertf32x8(all, _mm512_set1_ps(rows[0]), _mm256_set1_ps(rows[1]), 1);
             const __m512 q = _mm512_maskz_min_ps(all, _mm512_maskz_max_ps(all, _mm512_add_ps(two_rows, c), low), high);
             const __m512 old = _mm512_load_ps(limits);
-            _mm512_store_ps(limits, _mm512_mask_min_ps(old, __mmask16(bits & 0xffff), old, q));
+            const auto wanted = __mmask16(bits & 0xffff);
+            if constexpr (how == Update::lower) {
+                _mm512_store_ps(limits, _mm512_mask_min_ps(old, wanted, old, q));
+            } else if constexpr (how == Update::raise) {
+                _mm512_store_ps(limits, _mm512_mask_max_ps(old, wanted, old, q));
+            } else {
+                _mm512_store_ps(limits, _mm512_mask_mov_ps(old, wanted, q));
+            }
         }
 #else
         EightFloats c, limit;
@@ -159,7 +127,12 @@ struct MaskKernel {
             EightInts is_wanted;
             lanes_of(unsigned(bits & 255), is_wanted);
             __builtin_memcpy(&limit, limits, sizeof limit);
-            limit = (is_wanted & (q < limit)) ? q : limit;
+            if constexpr (how == Update::lower) {
+                is_wanted &= q < limit;
+            } else if constexpr (how == Update::raise) {
+                is_wanted &= q > limit;
+            }
+            limit = is_wanted ? q : limit;
             __builtin_memcpy(limits, &limit, sizeof limit);
         }
 #endif
@@ -184,6 +157,16 @@ struct MaskKernel {
 #endif
     }
 
+    /// The least of 64.
+    static float least(const float* q) {
+        EightFloats least, next;
+        __builtin_memcpy(&least, q, sizeof least);
+        for (unsigned j = 1; j < 8; ++j) {
+            __builtin_memcpy(&next, q + 8 * j, sizeof next);
+            least = next < least ? next : least;
+        }
+        return least_of(least);
+    }
     static float least_of(const EightFloats& lanes) {
         float least = lanes[0];
         for (int i = 1; i < 8; ++i) least = std::min(least, lanes[i]);
@@ -266,6 +249,35 @@ struct MaskKernel {
     }
 
   private:
+    template <bool above>
+    static std::uint64_t compare_plane(const float* rows, const float* columns, float lowest, float highest,
+                                       const float* limits) {
+        std::uint64_t mask = 0;
+#if FARFIELD_LANES >= 8
+        constexpr int comparison = above ? _CMP_GT_OQ : _CMP_LT_OQ;
+        const __m256 c = _mm256_load_ps(columns), low = _mm256_set1_ps(lowest), high = _mm256_set1_ps(highest);
+        for (unsigned j = 0; j < 8; ++j) {
+            const __m256 q = _mm256_min_ps(_mm256_max_ps(_mm256_add_ps(_mm256_set1_ps(rows[j]), c), low), high);
+            const __m256 is_set = _mm256_cmp_ps(q, _mm256_load_ps(limits + 8 * j), comparison);
+            mask |= std::uint64_t(std::uint32_t(_mm256_movemask_ps(is_set))) << (8 * j);
+        }
+#elif FARFIELD_LANES == 4
+        const __m128 low = _mm_set1_ps(lowest), high = _mm_set1_ps(highest);
+        for (unsigned k = 0; k < 16; ++k) {
+            const __m128 sum = _mm_add_ps(_mm_set1_ps(rows[k / 2]), _mm_load_ps(columns + k % 2 * 4));
+            const __m128 q = _mm_min_ps(_mm_max_ps(sum, low), high), limit = _mm_load_ps(limits + 4 * k);
+            const __m128 is_set = above ? _mm_cmpgt_ps(q, limit) : _mm_cmplt_ps(q, limit);
+            mask |= std::uint64_t(std::uint32_t(_mm_movemask_ps(is_set))) << (4 * k);
+        }
+#else
+        for (unsigned k = 0; k < 64; ++k) {
+            const float q = std::min(std::max(rows[k / 8] + columns[k % 8], lowest), highest);
+            mask |= std::uint64_t(above ? q > limits[k] : q < limits[k]) << k;
+        }
+#endif
+        return mask;
+    }
+
 #if FARFIELD_LANES == 16
     /// Without a mask g++ 12 warns of its own headers.
     static constexpr __mmask16 all = 0xffff;

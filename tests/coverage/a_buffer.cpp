@@ -1,5 +1,5 @@
-// Lazy z-buffering: polygons in any order give what a z-buffer of every sample gives.
-#include "farfield/coverage/lazy_depth.hpp"
+// Lazy masks: polygons in any order give what a z-buffer of every sample gives.
+#include "farfield/coverage/a_buffer.hpp"
 
 #include <algorithm>
 #include <array>
@@ -80,7 +80,8 @@ void vary(Random& random, std::vector<TilePolygon>& polygons) {
             if (s.color_weight.by_q != 0) {  // of what lies before the eye
                 for (float& q : s.triangle.q) q = random.between(0.1f, 1);
             }
-            s.gradient = ColorGradient(s.triangle, s.colors, s.color_weight);
+            s.has_gradient = false;
+            s.need_gradient();
         }
         const bool is_opaque = s.colors[0].a == 255 && s.colors[1].a == 255 && s.colors[2].a == 255;
         s.kind = is_opaque ? SurfaceKind::opaque : SurfaceKind::translucent;
@@ -153,7 +154,6 @@ TEST_CASE("polygons that overlap in a circle and go through each other", "[cover
     Random random(730);
     Checked<8> check;
     const SampleFrame frame{20, 20, 8};
-    std::uint64_t z_buffered = 0;
     for (int round = 0; round < 20; ++round) {
         std::vector<TilePolygon> polygons;
         for (std::uint32_t i = 0; i < 6; ++i) {  // blades around the center, each over the next one
@@ -174,9 +174,7 @@ TEST_CASE("polygons that overlap in a circle and go through each other", "[cover
         for (std::uint32_t i = 6; i < 12; ++i) polygons.push_back(random_polygon(random, frame, i));
         random.shuffle(polygons);
         check(frame, polygons);
-        z_buffered += check.masks_z_buffered();
     }
-    CHECK(z_buffered > 0);  // where they go through each other
 }
 
 TEST_CASE("of polygons at the same depth the larger color is seen, whichever comes first", "[coverage]") {
@@ -213,6 +211,35 @@ TEST_CASE("hundreds of layers in a pixel", "[coverage]") {
             side == 1 ? points(frame, polygons) : pixels(frame, polygons);
         }
     }
+}
+
+TEST_CASE("a mask that shows too many surfaces is z-buffered, until something covers it", "[coverage]") {
+    Random random(755);
+    Checked<8> check;
+    const SampleFrame frame{9, 9, 8};
+    std::uint64_t z_buffered = 0;
+    for (int round = 0; round < 6; ++round) {
+        // Rows and columns of samples before a sheet, which go through each other: 64 fragments a mask.
+        std::vector<TilePolygon> polygons{sheet(frame, 0.2f, 999)};
+        for (std::uint32_t i = 0; i < 144; ++i) {
+            const std::int32_t at = 256 * (frame.first_x() + std::int32_t(i) / 2), end = 40 * frame.width();
+            const std::vector<ScreenPoint> corners =
+                i % 2 == 0 ? std::vector<ScreenPoint>{{at, -end}, {at + 256, -end}, {at + 256, end}, {at, end}}
+                           : std::vector<ScreenPoint>{{-end, at}, {end, at}, {end, at + 256}, {-end, at + 256}};
+            std::array<float, 3> q;
+            for (float& v : q) v = random.between(0.3f, 0.9f);
+            polygons.push_back(tile_polygon(hull_of(corners), q, numbered(i)));
+        }
+        if (round % 2 == 1) vary(random, polygons);
+        if (round >= 2) random.shuffle(polygons);
+        if (round >= 4) {
+            polygons.push_back(sheet(frame, 1e4f, 1000));  // nearer than all
+            for (std::uint32_t i = 0; i < 20; ++i) polygons.push_back(random_polygon(random, frame, 1001 + i));
+        }
+        check(frame, polygons);
+        z_buffered += check.masks_z_buffered();
+    }
+    CHECK(z_buffered > 0);
 }
 
 TEST_CASE("front to back nothing is z-buffered, and back to front no more than is hidden", "[coverage]") {
@@ -295,51 +322,69 @@ TEST_CASE("plainly hidden is told: behind a wall, though not behind everything",
 
 TEST_CASE("what a cell remembers: depths, fragments in lists, deep masks where they are", "[coverage]") {
     CoveragePyramid pyramid;
-    LazyDepth lazy;
+    ABuffer buffer;
     for (const auto& [width, height] : {std::pair{640, 360}, {64, 64}, {7, 3}, {640, 360}}) {
         pyramid.begin(width, height);
-        lazy.begin(pyramid);
+        buffer.begin(pyramid);
         const std::size_t top = pyramid.size() - 1;
-        CHECK(lazy.block(top).covered_by == LazyDepth::none);
-        CHECK(lazy.farthest(top).q[17] == std::numeric_limits<float>::infinity());
-        CHECK(lazy.deep_places().empty());
-        lazy.open(0);
-        CHECK(lazy.block(0).deep == no_subcells);
-        CHECK(lazy.block(0).whole_masks == LazyDepth::none);
+        CHECK(buffer.cell(top).whole == no_subcells);
+        CHECK(buffer.farthest(top).q[17] == std::numeric_limits<float>::infinity());
+        CHECK(buffer.nearest(top).q[17] == -std::numeric_limits<float>::infinity());
+        buffer.open(0);
+        CHECK(buffer.cell(0).deep == no_subcells);
+        CHECK(buffer.cell(0).list == ABuffer::none);
 
         for (std::uint32_t i = 0; i < 100; ++i) {
             Surface s;
-            s.hash = i;
-            CHECK(lazy.add(s) == i);
+            s.colors.fill({std::uint8_t(i), 0, 0, 255});
+            s.depth = DepthPlane(float(i), 0, 0, 0, 100);
+            s.is_flat = i % 3 != 0;
+            CHECK(buffer.add(s) == i);
         }
-        lazy.forget_last_surface();
-        Surface last;
-        last.hash = 1000;
-        CHECK(lazy.add(last) == 99);
-        CHECK(lazy.surface(99).hash == 1000);
-        CHECK(lazy.surface(98).hash == 98);
+        for (std::uint32_t i = 0; i < 100; ++i) {
+            CHECK(buffer.record(i).depth.at_corner == float(i));
+            CHECK(buffer.color(i).r == i);
+            CHECK((buffer.details(i) == nullptr) == (i % 3 != 0));
+            if (i % 3 == 0) CHECK(buffer.details(i)->colors[0].r == i);
+        }
 
-        std::uint32_t list = LazyDepth::none;
-        lazy.reserve_fragments(500);
-        for (std::uint32_t i = 0; i < 500; ++i) lazy.add_fragment(list, i, i % 100);
-        for (std::uint32_t i = 500; i-- > 0; list = lazy.fragment(list).next) {
-            REQUIRE(list != LazyDepth::none);
-            CHECK(lazy.fragment(list).bits == i);
-            CHECK(lazy.fragment(list).surface == i % 100);
+        std::uint32_t list = ABuffer::none;
+        buffer.reserve_fragments(500);
+        for (std::uint32_t i = 1; i <= 500; ++i) buffer.add_fragment(list, {i, i % 100, ABuffer::none, 0, 0});
+        buffer.take(list, 1);  // every other one loses a bit, the first all
+        std::uint32_t at = list;
+        for (std::uint32_t i = 500; i > 1; --i, at = buffer.fragment(at).next) {
+            REQUIRE(at != ABuffer::none);
+            CHECK(buffer.fragment(at).bits == (i & ~1u));
+            CHECK(buffer.fragment(at).surface == i % 100);
         }
-        CHECK(list == LazyDepth::none);
+        CHECK(at == ABuffer::none);
+        buffer.unlink(list);
+        CHECK(buffer.fragment(list).surface == 499 % 100);
+        // What was given back is taken first: there is no room for more.
+        buffer.add_fragment(list, {7, 1, ABuffer::none, 0, 0});
+        buffer.add_fragment(list, {8, 2, ABuffer::none, 0, 0});
+        CHECK(buffer.fragment(list).bits == 8);
+
+        buffer.cell(0) = {};
+        buffer.reserve_fragments(2);
+        buffer.add_fragment(buffer.cell(0).list, {0b101, 11, ABuffer::none, 0, 0});
+        buffer.add_fragment(buffer.cell(0).list, {0b010, 12, ABuffer::none, 0, 0});
+        CHECK(buffer.surface_of_whole(0, 2) == 11);
+        CHECK(buffer.surface_of_whole(0, 1) == 12);
 
         const std::size_t masks = std::min<std::size_t>(64 * pyramid.block_count(), 600);
         std::vector<DeepMask*> deep;
-        for (std::size_t at = 0; at < masks; ++at) {
-            deep.push_back(&lazy.make_deep(masks - 1 - at));
-            deep.back()->q[0] = float(at);
+        for (std::size_t i = 0; i < masks; ++i) {
+            deep.push_back(&buffer.make_deep(masks - 1 - i));
+            deep.back()->q[0] = float(i);
         }
-        for (std::size_t at = 0; at < masks; ++at) {
-            CHECK(&lazy.deep(masks - 1 - at) == deep[at]);  // they stay where they are
-            CHECK(deep[at]->q[0] == float(at));
+        for (std::size_t i = 0; i < masks; ++i) {
+            CHECK(&buffer.deep(masks - 1 - i) == deep[i]);  // they stay where they are
+            CHECK(deep[i]->q[0] == float(i));
         }
-        CHECK(lazy.deep_places().size() == masks);
+        buffer.release_deep(3);
+        CHECK(&buffer.make_deep(4) == deep[masks - 1 - 3]);
     }
 }
 
@@ -359,7 +404,6 @@ TEST_CASE("what lies behind a z-buffered mask on the picture's border is hidden"
                 frames.begin(frame);
                 CHECK(frames.tile(one));
                 CHECK(frames.tile(other));
-                REQUIRE(frames.target().work.masks_z_buffered > 0);
                 // All of it, and about the middle of the lower border, where they meet.
                 const std::int32_t middle = left + 128 * width;
                 const std::vector<ScreenPoint> border{{middle - 300, bottom - 600},
