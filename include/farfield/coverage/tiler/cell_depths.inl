@@ -138,7 +138,7 @@ class LazyCells {
 template <class Target>
 class StrictCells {
   public:
-    StrictCells(Target&, const DepthPlane*, int, float = 0) {}
+    StrictCells(Target& target, const DepthPlane*, int, float = 0) : target_(target) {}
 
     std::uint64_t behind(std::size_t, int, int, int) const { return all_subcells; }
     std::uint64_t behind(std::uint64_t, std::size_t, int, int, int, Extremes&) const { return all_subcells; }
@@ -146,6 +146,9 @@ class StrictCells {
     std::uint64_t few_behind(std::uint64_t, std::size_t, int, int) const { return all_subcells; }
     bool is_behind(std::size_t, unsigned, int, int, int) const { return true; }
     std::uint64_t behind_surface(const DepthPlane&, int, int, int) const { return all_subcells; }
+
+  private:
+    [[maybe_unused]] Target& target_;  // g++ warns where an object without members is passed on
 };
 
 template <class Target>

@@ -334,8 +334,30 @@ class LazyMasks {
         }
         return nearer;
     }
-    /// The same for one surface. The nearer wins, of two at the same depth the larger color.
+    /// The same for one surface. The nearer wins, of two at the same depth the larger color. The difference of two
+    /// planes is one too, and only where it all but vanishes does rounding decide.
     [[gnu::noinline]] std::uint64_t nearer_than(std::uint32_t other_surface, unsigned k, std::uint64_t samples) {
+        const ABuffer::Record& record = fragments_.record(other_surface);
+        const DepthPlane &d = surface_.depth, &o = record.depth;
+        const float x = float(block_.sample_x_of(k)), y = float(block_.sample_y_of(k));
+        const float d_x = d.by_x * (x + d.base_x), d_y = d.by_y * (y + d.base_y);
+        const float o_x = o.by_x * (x + o.base_x), o_y = o.by_y * (y + o.base_y);
+        const float difference = (d.at_corner - o.at_corner) + (d_x - o_x) + (d_y - o_y);
+        const float slopes = std::abs(d.by_x) + std::abs(d.by_y) + std::abs(o.by_x) + std::abs(o.by_y);
+        // Centers of samples that are not there may lie beyond the corners, where depths are clamped.
+        constexpr float beyond = Target::reach_of_samples != 0 ? 1.0f : 0.0f;
+        const float slack = 0x1p-20f * (std::abs(d.at_corner) + std::abs(o.at_corner) + std::abs(d_x) + std::abs(d_y) +
+                                        std::abs(o_x) + std::abs(o_y) + 8 * slopes) +
+                            beyond * slopes;
+        float thickness = surface_.fold.thickness;
+        if (record.details != ABuffer::none) thickness += fragments_.details(other_surface)->fold.thickness;
+        std::uint64_t below, above;
+        MaskKernel::split(difference, d.by_x - o.by_x, d.by_y - o.by_y, -slack, slack + thickness, below, above);
+        const std::uint64_t open = samples & ~(below | above);
+        const std::uint64_t nearer = samples & above;
+        return open == 0 ? nearer : nearer | nearer_samples(other_surface, k, open);
+    }
+    [[gnu::noinline]] std::uint64_t nearer_samples(std::uint32_t other_surface, unsigned k, std::uint64_t samples) {
         const int x = block_.sample_x_of(k), y = block_.sample_y_of(k);
         const SeenSurface one = own(), other = seen_surface(other_surface);
         const MaskDepths one_depths(one, x, y), other_depths(other, x, y);

@@ -82,6 +82,33 @@ struct MaskKernel {
         return compare_plane<true>(rows, columns, lowest, highest, limits);
     }
 
+    /// Bit 8 * j + i: value + by_x i + by_y j is below `low`, or above `high`. With NaN among them it is neither.
+    static void split(float value, float by_x, float by_y, float low, float high, std::uint64_t& below,
+                      std::uint64_t& above) {
+#if FARFIELD_LANES == 16
+        const __m512 i = _mm512_set_ps(7, 6, 5, 4, 3, 2, 1, 0, 7, 6, 5, 4, 3, 2, 1, 0);
+        const __m512 j = _mm512_set_ps(1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0);
+        __m512 v = _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(i, _mm512_set1_ps(by_x)), _mm512_set1_ps(value)),
+                                 _mm512_mul_ps(j, _mm512_set1_ps(by_y)));
+        const __m512 two_rows = _mm512_set1_ps(2 * by_y), l = _mm512_set1_ps(low), h = _mm512_set1_ps(high);
+        __mmask16 is_below[4], is_above[4];
+        for (unsigned k = 0; k < 4; ++k, v = _mm512_add_ps(v, two_rows)) {
+            is_below[k] = _mm512_cmp_ps_mask(v, l, _CMP_LT_OQ);
+            is_above[k] = _mm512_cmp_ps_mask(v, h, _CMP_GT_OQ);
+        }
+        below = joined(is_below[0], is_below[1], is_below[2], is_below[3]);
+        above = joined(is_above[0], is_above[1], is_above[2], is_above[3]);
+#else
+        const EightFloats columns = EightFloats{0, 1, 2, 3, 4, 5, 6, 7} * by_x + value;
+        below = above = 0;
+        for (int j = 0; j < 8; ++j) {
+            const EightFloats v = columns + by_y * float(j);
+            below |= std::uint64_t(byte_of(v < low)) << (8 * j);
+            above |= std::uint64_t(byte_of(v > high)) << (8 * j);
+        }
+#endif
+    }
+
     /// Bits of a row: a > b, and a == b above them.
     static unsigned greater_or_equal(const EightFloats& a, const EightFloats& b) {
 #if FARFIELD_LANES >= 8
