@@ -15,11 +15,11 @@ using namespace farfield::test;
 
 namespace {
 struct StrictWork : StrictCoverage {
-    using samples = RecordedSamples<8, false>;
+    using samples = RecordedSamples<8>;
     using work = CoverageWorkImage;
 };
 struct LazyWork : LazyCoverage {
-    using samples = RecordedSamples<8, true>;
+    using samples = RecordedSamples<8>;
     using work = CoverageWorkImage;
 };
 

@@ -221,11 +221,11 @@ TEST_CASE("strict: every sample shows what brute force finds first, and comes on
     for (const Scene& scene : scenes()) {
         for (const View& view : views()) {
             for (StrictPoints& renderer : points)
-                check_strict<StrictPoints, RecordedSamples<1, false>>(renderer, scene, view, 1);
+                check_strict<StrictPoints, RecordedSamples<1>>(renderer, scene, view, 1);
         }
         for (const View& view : odd_views()) {
-            check_strict<StrictPoints, RecordedSamples<1, false>>(points[3], scene, view, 1);
-            if (view.width < 70) check_strict<StrictSamples, RecordedSamples<8, false>>(samples, scene, view, 8);
+            check_strict<StrictPoints, RecordedSamples<1>>(points[3], scene, view, 1);
+            if (view.width < 70) check_strict<StrictSamples, RecordedSamples<8>>(samples, scene, view, 8);
         }
     }
 }
@@ -252,7 +252,7 @@ TEST_CASE("strict: quadrilaterals cover what their two triangles cover, bent by 
             const LocalView local = local_view(std::span<const Quadrilateral>(quadrilaterals), view);
             const Image image = picture(renderer, quadrilaterals, view);
             REQUIRE(different_samples(image, strict_samples(triangles, local, 1)) == 0);
-            REQUIRE(RecordedSamples<1, false>::last_error == "");
+            REQUIRE(RecordedSamples<1>::last_error == "");
         }
     }
 }

@@ -120,8 +120,7 @@ class BasicCoverageRenderer {
         for (std::size_t i = 0; i < ranges.size(); ++i) {
             if (i + 8 < ranges.size()) stream.prefetch(ranges[i + 8].first, true);
             if (i + 4 < ranges.size()) stream.prefetch(ranges[i + 4].first, false);
-            const std::uint32_t end = stream.first_record(ranges[i].first + ranges[i].count);
-            for (std::uint32_t at = stream.first_record(ranges[i].first); at < end; ++at) setup.draw(stream[at]);
+            setup.draw(ranges[i].first, ranges[i].first + ranges[i].count);
         }
     }
 

@@ -47,6 +47,22 @@ class PolygonSetup {
     /// Draws a record of the stream. Nothing is tiled if it holds no sample of the image or is turned away; triangles
     /// are tiled if snapping bends it or if it has to be clipped.
     void draw(const PolygonRecord& r) {
+        draw(r, r.is_triangle ? Part::first : Part::both);
+    }
+    /// Draws the polygons of positions [first, end).
+    void draw(std::uint32_t first, std::uint32_t end) {
+        std::uint32_t record = stream_.first_record(first);
+        const std::uint32_t last = stream_.first_record(end);
+        // Two primitives may share a record.
+        if (stream_.begins_within(first) && first != end) draw(stream_[record++], Part::second);
+        for (; record < last; ++record) draw(stream_[record]);
+        if (stream_.begins_within(end) && first != end && record == last) draw(stream_[last], Part::first);
+    }
+
+  private:
+    enum class Part { first, second, both };
+
+    void draw(const PolygonRecord& r, Part part) {
         // Projects four corners side by side, as SampleProjection does one.
         typedef float Floats __attribute__((vector_size(16)));
         typedef std::int32_t Ints __attribute__((vector_size(16)));
@@ -68,7 +84,7 @@ class PolygonSetup {
         const Ints is_behind = depth < projection_.near_depth;
         const Ints is_beyond = depth > projection_.far_depth;
         const Ints is_whole = ~is_behind & ~is_beyond & (x > -guard) & (x < guard) & (y > -guard) & (y < guard);
-        if (!is_set(is_whole)) return is_set(is_behind) || is_set(is_beyond) ? void() : draw_clipped(r);
+        if (!is_set(is_whole)) return is_set(is_behind) || is_set(is_beyond) ? void() : draw_clipped(r, part);
         Corners corners;
         const Floats snapped_x = x + snap_rounder, snapped_y = y + snap_rounder;
         std::memcpy(corners.x.data(), &snapped_x, sizeof snapped_x);
@@ -79,14 +95,13 @@ class PolygonSetup {
             corners.y[c] -= std::int32_t(snap_rounder_bits);
         }
         const Rgba8* colors = r.colors == PolygonRecord::flat ? nullptr : stream_.colors(r);
-        if (r.is_triangle) {
-            draw_triangle(r, corners, first_three, colors);
-        } else {
+        if (part == Part::both) {
             draw_quadrilateral(r, corners, colors);
+        } else {
+            draw_triangle(r, corners, r.half(part == Part::first ? 0 : 1), colors);
         }
     }
 
-  private:
     /// Whether all four lanes are set.
     template <class Ints>
     static bool is_set(const Ints& lanes) {
@@ -95,9 +110,7 @@ class PolygonSetup {
         return (halves[0] & halves[1]) == ~std::uint64_t(0);
     }
 
-    /// The numbers of three of a record's corners.
-    using Three = std::array<unsigned, 3>;
-    static constexpr Three first_three{0, 1, 2};
+    using Three = PolygonRecord::Three;
 
     struct Corners {
         std::array<std::int32_t, 4> x, y;
@@ -106,7 +119,8 @@ class PolygonSetup {
         std::int64_t turn(unsigned a, unsigned b, unsigned c) const {
             return std::int64_t(x[b] - x[a]) * (y[c] - y[b]) - std::int64_t(y[b] - y[a]) * (x[c] - x[b]);
         }
-        SnappedTriangle triangle(unsigned a, unsigned b, unsigned c) const {
+        SnappedTriangle triangle(const Three& of) const {
+            const auto [a, b, c] = of;
             return {{x[a], x[b], x[c]}, {y[a], y[b], y[c]}, {q[a], q[b], q[c]}};
         }
     };
@@ -116,8 +130,8 @@ class PolygonSetup {
         const auto [low_y, high_y] = std::minmax({k.y[0], k.y[1], k.y[2], k.y[3]});
         if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
         const auto draw_halves = [&] {
-            draw_triangle(r, k, {0, 1, 2}, colors);
-            draw_triangle(r, k, {0, 2, 3}, colors);
+            draw_triangle(r, k, r.half(0), colors);
+            draw_triangle(r, k, r.half(1), colors);
         };
         const std::int64_t turns[4] = {k.turn(0, 1, 2), k.turn(1, 2, 3), k.turn(2, 3, 0), k.turn(3, 0, 1)};
         const bool is_clockwise = turns[0] >= 0 && turns[1] >= 0 && turns[2] >= 0 && turns[3] >= 0;
@@ -134,36 +148,38 @@ class PolygonSetup {
             polygon_.y[c] = k.y[order[c]];
         }
         // Colors are those of the larger half's plane.
-        const std::int64_t one = std::abs(k.triangle(0, 1, 2).doubled_area()),
-                           other = std::abs(k.triangle(0, 2, 3).doubled_area());
-        const unsigned half[3] = {0, one >= other ? 1u : 2u, one >= other ? 2u : 3u};
-        SnappedTriangle t = k.triangle(half[0], half[1], half[2]);
+        const bool is_first =
+            std::abs(k.triangle(r.half(0)).doubled_area()) >= std::abs(k.triangle(r.half(1)).doubled_area());
+        const Three half = r.half(is_first ? 0 : 1);
+        SnappedTriangle t = k.triangle(half);
         if (is_front) t.flip();
         if (colors == nullptr) {
-            shade(r, first_three, is_front, nullptr, t);
+            shade(r, r.half(0), is_front, nullptr, t);
         } else {
-            const Rgba8 of_half[4] = {colors[0], colors[half[1]], colors[half[2]], colors[one >= other ? 3 : 1]};
-            shade(r, first_three, is_front, of_half, t);
+            const Rgba8 of_half[4] = {colors[half[0]], colors[half[1]], colors[half[2]], colors[is_first ? 3 : 1]};
+            shade(r, r.half(0), is_front, of_half, t);
         }
         if constexpr (Tile::needs_depth) {
-            set_depth(k, t, one >= other, is_front);
+            SnappedTriangle other = k.triangle(r.half(is_first ? 1 : 0));
+            if (is_front) other.flip();
+            set_depth(k, t, other, is_first, is_front);
             // Each half has its own normal.
-            if (light_ != nullptr && colors == nullptr && !is_lit_as(r, {0, 2, 3}, is_front)) return draw_halves();
+            if (light_ != nullptr && colors == nullptr && !is_lit_as(r, r.half(1), is_front)) return draw_halves();
         }
         tile_(polygon_);
     }
 
-    /// Sets the surface's depth to bounds of both halves' planes: `larger` is the clockwise one, corners 0, 1 and 2 if
-    /// `is_first`.
-    void set_depth(const Corners& k, const SnappedTriangle& larger, bool is_first, bool is_front) {
+    /// Sets the surface's depth to bounds of both halves' planes, of which the larger one is the first if `is_first`.
+    void set_depth(const Corners& k, const SnappedTriangle& larger, const SnappedTriangle& other, bool is_first,
+                   bool is_front) {
         Surface& s = polygon_.surface;
-        const std::int64_t area = larger.doubled_area();
+        const std::int64_t area = larger.doubled_area(), other_area = other.doubled_area();
         s.depth = DepthPlane(larger, area);
-        const unsigned fourth = is_first ? 3 : 1;
-        s.fold = {0, k.x[fourth], k.y[fourth], k.q[fourth], is_first == is_front};
-        const SnappedTriangle other = s.fold.beyond(larger);
-        const std::int64_t other_area = other.doubled_area();
+        s.fold.thickness = 0;
         if (other_area == 0) return;
+        // Clockwise, the larger one goes around the diagonal this way.
+        const unsigned from = is_first == is_front ? 0 : 2, to = 2 - from, fourth = is_first ? 3 : 1;
+        s.fold = {0, other, {k.x[from], k.y[from]}, {k.x[to], k.y[to]}};
         s.triangle = larger;
         const auto [lowest, highest] = std::minmax({k.q[0], k.q[1], k.q[2], k.q[3]});
         const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
@@ -176,9 +192,9 @@ class PolygonSetup {
             return 0x1p-20f * (slopes * (box / float(doubled_area)) + most);
         };
         const auto [other_lowest, other_highest] = std::minmax({other.q[0], other.q[1], other.q[2]});
-        const float at_fourth = s.depth.at_corner + s.depth.by_x * (float(s.fold.x - larger.x[0]) * (1.0f / 256)) +
-                                s.depth.by_y * (float(s.fold.y - larger.y[0]) * (1.0f / 256));
-        const float off = std::abs(at_fourth - s.fold.q) + rounding(larger, area) +
+        const float at_fourth = s.depth.at_corner + s.depth.by_x * (float(k.x[fourth] - larger.x[0]) * (1.0f / 256)) +
+                                s.depth.by_y * (float(k.y[fourth] - larger.y[0]) * (1.0f / 256));
+        const float off = std::abs(at_fourth - k.q[fourth]) + rounding(larger, area) +
                           std::min(rounding(other, other_area), 0x1p-20f * most + (other_highest - other_lowest));
         s.depth.lowest = lowest;
         s.depth.highest = highest;
@@ -192,7 +208,7 @@ class PolygonSetup {
     }
 
     void draw_triangle(const PolygonRecord& r, const Corners& k, const Three& of, const Rgba8* colors) {
-        SnappedTriangle t = k.triangle(of[0], of[1], of[2]);
+        SnappedTriangle t = k.triangle(of);
         const auto [low_x, high_x] = std::minmax({t.x[0], t.x[1], t.x[2]});
         const auto [low_y, high_y] = std::minmax({t.y[0], t.y[1], t.y[2]});
         if (holds_no_sample(low_x, high_x, low_y, high_y)) return;
@@ -257,13 +273,12 @@ class PolygonSetup {
         return light_->brightness(is_front != projection_.is_mirrored ? n : -n);
     }
 
-    void draw_clipped(const PolygonRecord& r) {
-        if (r.is_triangle || Tile::needs_depth) {
-            draw_clipped(r, first_three, first_three);
-            if (!r.is_triangle) draw_clipped(r, Three{0, 2, 3}, Three{0, 2, 3});
-        } else {
-            draw_clipped(r, first_three, std::array<unsigned, 4>{0, 1, 2, 3});
+    void draw_clipped(const PolygonRecord& r, Part part) {
+        if (part == Part::both && !Tile::needs_depth) {
+            return draw_clipped(r, r.half(0), std::array<unsigned, 4>{0, 1, 2, 3});
         }
+        if (part != Part::second) draw_clipped(r, r.half(0), r.half(0));
+        if (part != Part::first) draw_clipped(r, r.half(1), r.half(1));
     }
 
     /// Draws the polygon of those corners `of` a record; three of them give the normal.

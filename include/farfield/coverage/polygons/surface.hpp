@@ -21,20 +21,13 @@ namespace farfield::detail {
 /// tiled at once, which takes half as long, with bounds of both planes; samples whose depth decides find their
 /// triangle.
 struct FoldedDepth {
-    float thickness = 0;  ///< between the bounds of q; 0: there is one plane and no fold
-    std::int32_t x = 0, y = 0;
-    float q = 0;              ///< at the fourth corner, beyond the fold of the surface's triangle
-    bool from_first = false;  ///< the fold is the triangle's edge from corner 0 to corner 1, else that from 2 to 0
+    float thickness = 0;       ///< between the bounds of q; 0: there is one plane and no fold
+    SnappedTriangle other{};   ///< beyond the fold, clockwise, its corners in a z-buffer's order
+    std::int32_t from[2]{}, to[2]{};  ///< the fold, as an edge of the surface's triangle
 
-    /// The other triangle, clockwise, its corners in a z-buffer's order.
-    SnappedTriangle beyond(const SnappedTriangle& t) const {
-        return from_first ? SnappedTriangle{{t.x[0], x, t.x[1]}, {t.y[0], y, t.y[1]}, {t.q[0], q, t.q[1]}}
-                          : SnappedTriangle{{t.x[0], t.x[2], x}, {t.y[0], t.y[2], y}, {t.q[0], t.q[2], q}};
-    }
-    /// 0 or more at samples that belong to the triangle itself, counted from (first_x, first_y).
-    Edge<std::int64_t> edge(const SnappedTriangle& t, int first_x, int first_y) const {
-        return from_first ? Edge<std::int64_t>(t.x[0], t.y[0], t.x[1], t.y[1], first_x, first_y)
-                          : Edge<std::int64_t>(t.x[2], t.y[2], t.x[0], t.y[0], first_x, first_y);
+    /// 0 or more at samples that belong to the surface's triangle, counted from (first_x, first_y).
+    Edge<std::int64_t> edge(int first_x, int first_y) const {
+        return Edge<std::int64_t>(from[0], from[1], to[0], to[1], first_x, first_y);
     }
 };
 

@@ -50,13 +50,13 @@ class MaskDepths {
     /// Finds the planes on either side of a fold, and the samples that lie on the first one's.
     [[gnu::noinline]] void unfold(const Surface& surface, int x, int y) {
         const SnappedTriangle& t = surface.triangle;
-        const auto fold = surface.fold.edge(t, x, y);
+        const auto fold = surface.fold.edge(x, y);
         const std::int64_t across = 7 * fold.by_x, down = 7 * fold.by_y;
         const bool has_first =
                        std::max({fold.value, fold.value + across, fold.value + down, fold.value + across + down}) >= 0,
                    has_other =
                        std::min({fold.value, fold.value + across, fold.value + down, fold.value + across + down}) < 0;
-        const SnappedTriangle other = surface.fold.beyond(t);
+        const SnappedTriangle& other = surface.fold.other;
         if (has_first) planes_[0] = DepthPlane(t, t.doubled_area());
         if (has_other) planes_[has_first ? 1 : 0] = DepthPlane(other, other.doubled_area());
         if (!(has_first && has_other)) return;
