@@ -179,8 +179,7 @@ class PolygonSetup {
         if (other_area == 0) return;
         // Clockwise, the larger one goes around the diagonal this way.
         const unsigned from = is_first == is_front ? 0 : 2, to = 2 - from, fourth = is_first ? 3 : 1;
-        s.fold = {0, other, {k.x[from], k.y[from]}, {k.x[to], k.y[to]}};
-        s.triangle = larger;
+        s.fold = {0, {s.depth, DepthPlane(other, other_area)}, {k.x[from], k.y[from]}, {k.x[to], k.y[to]}};
         const auto [lowest, highest] = std::minmax({k.q[0], k.q[1], k.q[2], k.q[3]});
         const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
         const auto [low_y, high_y] = std::minmax({k.y[0], k.y[1], k.y[2], k.y[3]});

@@ -21,11 +21,11 @@ namespace farfield::detail {
 /// tiled at once, which takes half as long, with bounds of both planes; samples whose depth decides find their
 /// triangle.
 struct FoldedDepth {
-    float thickness = 0;       ///< between the bounds of q; 0: there is one plane and no fold
-    SnappedTriangle other{};   ///< beyond the fold, clockwise, its corners in a z-buffer's order
-    std::int32_t from[2]{}, to[2]{};  ///< the fold, as an edge of the surface's triangle
+    float thickness = 0;  ///< between the bounds of q; 0: there is one plane and no fold
+    DepthPlane planes[2]{};
+    std::int32_t from[2]{}, to[2]{};  ///< the fold, as an edge of the first plane's triangle
 
-    /// 0 or more at samples that belong to the surface's triangle, counted from (first_x, first_y).
+    /// 0 or more at samples that belong to the first plane, counted from (first_x, first_y).
     Edge<std::int64_t> edge(int first_x, int first_y) const {
         return Edge<std::int64_t>(from[0], from[1], to[0], to[1], first_x, first_y);
     }

@@ -362,14 +362,14 @@ class LazyMasks {
         const SeenSurface one = own(), other = seen_surface(other_surface);
         const MaskDepths one_depths(one, x, y), other_depths(other, x, y);
         std::uint64_t nearer = 0, equal = 0;
-        for (int j = 0; j < 8; ++j) {
-            MaskKernel::EightFloats q, other_q;
-            one_depths.set_row(j, q);
-            other_depths.set_row(j, other_q);
-            const unsigned bits = MaskKernel::greater_or_equal(q, other_q);
-            nearer |= std::uint64_t(bits & 255) << (8 * j);
-            equal |= std::uint64_t(bits >> 8) << (8 * j);
-        }
+        one_depths.for_planes([&](const DepthPlane& d, std::uint64_t on_d) {
+            other_depths.for_planes([&](const DepthPlane& o, std::uint64_t on_o) {
+                std::uint64_t above, same;
+                MaskKernel::compare(d, o, x, y, above, same);
+                nearer |= above & on_d & on_o;
+                equal |= same & on_d & on_o;
+            });
+        });
         equal &= samples;
         if (equal != 0) [[unlikely]]
             nearer |= wins_ties(one, other, k, equal);
@@ -475,7 +475,7 @@ class LazyMasks {
             __builtin_memcpy(&color, colors.data(), sizeof color);
             __builtin_memcpy(&old, seen, sizeof old);
             EightFloats q;
-            depths_of_mask.set_row(j, q);
+            depths_of_mask.set_row(x, y, j, q);
             const EightInts takes = is_wanted & (is_open | (q > depth) | ((q == depth) & (color > old)));
             depth = takes ? q : depth;
             old = takes ? color : old;

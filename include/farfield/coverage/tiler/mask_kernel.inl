@@ -109,14 +109,46 @@ struct MaskKernel {
 #endif
     }
 
-    /// Bits of a row: a > b, and a == b above them.
-    static unsigned greater_or_equal(const EightFloats& a, const EightFloats& b) {
-#if FARFIELD_LANES >= 8
-        const __m256 x = reinterpret_cast<__m256>(a), y = reinterpret_cast<__m256>(b);
-        return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(x, y, _CMP_GT_OQ))) |
-               unsigned(_mm256_movemask_ps(_mm256_cmp_ps(x, y, _CMP_EQ_OQ))) << 8;
+    /// Bit 8 * j + i: at sample (x + i, y + j), as DepthPlane::at computes it, q of plane d is above that of plane o, or
+    /// the same.
+    static void compare(const DepthPlane& d, const DepthPlane& o, int x, int y, std::uint64_t& above,
+                        std::uint64_t& equal) {
+#if FARFIELD_LANES == 16
+        const __m512 i = _mm512_set_ps(7, 6, 5, 4, 3, 2, 1, 0, 7, 6, 5, 4, 3, 2, 1, 0);
+        const __m512 j = _mm512_set_ps(1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0);
+        const __m512 at_x = _mm512_add_ps(i, _mm512_set1_ps(float(x))), at_y = _mm512_add_ps(j, _mm512_set1_ps(float(y)));
+        const auto columns = [&](const DepthPlane& p) {
+            return _mm512_mul_ps(_mm512_set1_ps(p.by_x), _mm512_add_ps(at_x, _mm512_set1_ps(p.base_x)));
+        };
+        const auto depths = [&](const DepthPlane& p, __m512 column, __m512 row_y) {
+            const __m512 row = _mm512_add_ps(
+                _mm512_set1_ps(p.at_corner), _mm512_mul_ps(_mm512_set1_ps(p.by_y), _mm512_add_ps(row_y, _mm512_set1_ps(p.base_y))));
+            return _mm512_maskz_min_ps(
+                all, _mm512_maskz_max_ps(all, _mm512_add_ps(row, column), _mm512_set1_ps(p.lowest)), _mm512_set1_ps(p.highest));
+        };
+        const __m512 d_columns = columns(d), o_columns = columns(o);
+        __mmask16 is_above[4], is_equal[4];
+        for (int k = 0; k < 4; ++k) {
+            const __m512 row_y = _mm512_add_ps(at_y, _mm512_set1_ps(float(2 * k)));
+            const __m512 q = depths(d, d_columns, row_y), r = depths(o, o_columns, row_y);
+            is_above[k] = _mm512_cmp_ps_mask(q, r, _CMP_GT_OQ);
+            is_equal[k] = _mm512_cmp_ps_mask(q, r, _CMP_EQ_OQ);
+        }
+        above = joined(is_above[0], is_above[1], is_above[2], is_above[3]);
+        equal = joined(is_equal[0], is_equal[1], is_equal[2], is_equal[3]);
 #else
-        return byte_of(a > b) | byte_of(a == b) << 8;
+        const EightFloats i = EightFloats{0, 1, 2, 3, 4, 5, 6, 7} + float(x);
+        const EightFloats d_columns = d.by_x * (i + d.base_x), o_columns = o.by_x * (i + o.base_x);
+        above = equal = 0;
+        for (int j = 0; j < 8; ++j) {
+            EightFloats q = d.row(y + j) + d_columns, r = o.row(y + j) + o_columns;
+            q = q < d.lowest ? EightFloats{} + d.lowest : q;
+            q = q > d.highest ? EightFloats{} + d.highest : q;
+            r = r < o.lowest ? EightFloats{} + o.lowest : r;
+            r = r > o.highest ? EightFloats{} + o.highest : r;
+            above |= std::uint64_t(byte_of(q > r)) << (8 * j);
+            equal |= std::uint64_t(byte_of(q == r)) << (8 * j);
+        }
 #endif
     }
 
