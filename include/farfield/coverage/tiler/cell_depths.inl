@@ -26,6 +26,9 @@ struct Extremes {
     }
 };
 
+/// What the cells above a block tell of it.
+enum class Told { nothing, hidden, undecided };
+
 /// Lazy mode, for something whose q is, at each sample, at most that of any of its planes: a polygon has one plane, a
 /// box its fronts.
 template <class Target>
@@ -90,6 +93,27 @@ class LazyCells {
 
     // --- what covers cells at once
 
+    Told told_above(const CoveragePyramid& pyramid, int x, int y) const {
+        for (int up = pyramid.top_level(); up > 1; --up) {
+            const int px = x >> 3 * (up - 2), py = y >> 3 * (up - 2);
+            const std::size_t parent = pyramid.index(up, px >> 3, py >> 3);
+            const auto k = unsigned((py & 7) * 8 + (px & 7));
+            if (!is_whole(parent, k)) continue;
+            return planes_->highest < target_.fragments.farthest(parent).q[k] ? Told::hidden : Told::undecided;
+        }
+        return Told::nothing;
+    }
+    /// Those of a few masks of a block in which all corners lie behind what is seen.
+    std::uint64_t corners_behind(std::uint64_t masks, std::size_t block) const {
+        const float* farthest = target_.fragments.farthest(block).q.data();
+        std::uint64_t behind = 0;
+        for (std::uint64_t left = masks; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            behind |= std::uint64_t(planes_->highest < farthest[k]) << k;
+        }
+        return behind;
+    }
+
     /// Whether one surface covers subcell k of a cell, so that nothing below is told.
     bool is_whole(std::size_t cell, unsigned k) const { return (target_.fragments.cell(cell).whole >> k & 1) != 0; }
     /// That surface's plane.
@@ -146,6 +170,14 @@ class StrictCells {
     std::uint64_t few_behind(std::uint64_t, std::size_t, int, int) const { return all_subcells; }
     bool is_behind(std::size_t, unsigned, int, int, int) const { return true; }
     std::uint64_t behind_surface(const DepthPlane&, int, int, int) const { return all_subcells; }
+    Told told_above(const CoveragePyramid& pyramid, int x, int y) const {
+        for (int up = 2; up <= pyramid.top_level(); ++up, x >>= 3, y >>= 3) {
+            const TriageMask& parent = pyramid[pyramid.index(up, x >> 3, y >> 3)];
+            if ((parent.covered >> ((y & 7) * 8 + (x & 7)) & 1) != 0) return Told::hidden;
+        }
+        return Told::nothing;
+    }
+    std::uint64_t corners_behind(std::uint64_t, std::size_t) const { return all_subcells; }
 
   private:
     [[maybe_unused]] Target& target_;  // g++ warns where an object without members is passed on

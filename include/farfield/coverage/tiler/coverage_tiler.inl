@@ -27,6 +27,11 @@ class Tiler : Masks<Target> {
     Tiler(Target& target, TilePolygon& polygon) : Base(target, polygon.surface), edges_(target, polygon, 0) {}
 
     bool tile() {
+        if (Target::masks == MaskSource::exact && edges_.box.spans_two_masks_a_side()) {
+            if (edges_.box.is_empty()) return false;
+            const Outcome outcome = tile_tiny();
+            if (outcome != Outcome::undecided) return outcome == Outcome::seen;
+        }
         const bool is_small = Target::masks == MaskSource::exact && edges_.box.spans_few_masks();
         const StartCells<Target> start(target_, edges_.box, depths_, is_small);
         if (start.empty()) return false;
@@ -51,6 +56,69 @@ class Tiler : Masks<Target> {
     }
 
   private:
+    // --- polygons of a pixel or two
+
+    enum class Outcome { hidden, seen, undecided };
+
+    /// Tiles two by two masks at most, by bounds of depth that are those of the corners. Undecided: a cell above was
+    /// covered at once and has to be refined.
+    Outcome tile_tiny() {
+        const TileBox& box = edges_.box;
+        const int x0 = box.x0 >> 3, y0 = box.y0 >> 3, x1 = box.x1 >> 3, y1 = box.y1 >> 3;
+        std::uint64_t seen_in[4];
+        bool is_seen = false;
+        unsigned n = 0;
+        for (int by = y0 >> 3; by <= y1 >> 3; ++by) {
+            for (int bx = x0 >> 3; bx <= x1 >> 3; ++bx, ++n) {
+                seen_in[n] = box.subcells(1, bx, by);
+                switch (depths_.told_above(pyramid_, bx, by)) {
+                    case Told::hidden:
+                        seen_in[n] = 0;
+                        break;
+                    case Told::undecided:
+                        return Outcome::undecided;
+                    case Told::nothing: {
+                        const std::size_t block = pyramid_.index(1, bx, by);
+                        seen_in[n] &= ~(pyramid_[block].covered & depths_.corners_behind(seen_in[n], block));
+                    }
+                }
+                is_seen = is_seen || seen_in[n] != 0;
+            }
+        }
+        if (!is_seen) return Outcome::hidden;
+        ++target_.work.polygons_tiled;
+        if constexpr (!Target::is_lazy) surface_.need_gradient();
+        const auto edges = edges_.tiny_at(x0, y0);
+        bool drew = false;
+        n = 0;
+        for (int by = y0 >> 3; by <= y1 >> 3; ++by) {
+            for (int bx = x0 >> 3; bx <= x1 >> 3; ++bx, ++n) {
+                if (seen_in[n] == 0) continue;
+                target_.work.tiles(1, bx, by);
+                target_.work.tiles_masks(bx, by, seen_in[n], MaskKernel::count(seen_in[n]));
+                bool is_open = false;
+                for (std::uint64_t left = seen_in[n]; left != 0; left &= left - 1) {
+                    const auto k = unsigned(std::countr_zero(left));
+                    std::uint64_t inside =
+                        edges_.samples_inside(edges, 8 * bx + int(k % 8) - x0, 8 * by + int(k / 8) - y0);
+                    if (inside == 0) continue;
+                    if (!is_open) {
+                        Base::open_block(target_.block_at(bx, by));
+                        Base::begin_masks();
+                        is_open = true;
+                    }
+                    if (surface_.covers_some()) [[unlikely]]
+                        inside &= hashed_samples(k);
+                    Base::tile_mask(k, inside, Base::depths_of_all());
+                }
+                if (!is_open || !block_.drew) continue;
+                drew = true;
+                tell_parents(1, bx, by);
+            }
+        }
+        return drew ? Outcome::seen : Outcome::hidden;
+    }
+
     // --- cells
 
     bool tile_cell(int level, int x, int y, const Edges& in) {
@@ -99,8 +167,9 @@ class Tiler : Masks<Target> {
         if (!edges_.triage(1, x, y, in, t)) return false;
         Base::open_block(target_.block_at(x, y));
         const TriageMask& cell = *block_.cell;
-        block_.behind = depths_.behind(t.possible & ~cell.vacant, block_.index, 1, x, y, block_.extremes);
-        const std::uint64_t possible = t.possible & ~(cell.covered & block_.behind);
+        const std::uint64_t possible =
+            t.possible & ~(cell.covered & depths_.behind(t.possible & ~cell.vacant, block_.index, 1, x, y,
+                                                          block_.extremes));
         const std::uint64_t inside = surface_.covers_all() ? t.covered & possible : no_subcells;
         const std::uint64_t whole =
             inside != 0 ? Base::taken(inside, block_.index, block_.extremes) : no_subcells;
@@ -118,8 +187,7 @@ class Tiler : Masks<Target> {
         target_.work.tiles(1, x, y);
         Base::open_block(target_.block_at(x, y));
         std::uint64_t active = edges_.box.subcells(1, x, y);
-        block_.behind = depths_.few_behind(active, block_.index, x, y, block_.extremes);
-        active &= ~(block_.cell->covered & block_.behind);
+        active &= ~(block_.cell->covered & depths_.few_behind(active, block_.index, x, y, block_.extremes));
         if (active == 0) return false;
         Base::begin_masks();
         target_.work.tiles_masks(x, y, active, MaskKernel::count(active));
@@ -160,7 +228,7 @@ class Tiler : Masks<Target> {
     FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
         if (surface_.covers_some()) [[unlikely]]
             inside &= hashed_samples(k);
-        Base::tile_mask(k, inside);
+        Base::tile_mask(k, inside, Base::depths_in(k));
     }
 
     std::uint64_t hashed_samples(unsigned k) {

@@ -7,8 +7,7 @@ struct OpenBlock : MaskBlock {
     TriageMask* cell = nullptr;
     std::uint64_t* masks = nullptr;
     bool drew = false;
-    std::uint64_t behind = all_subcells;  ///< where the polygon lies behind all that is seen
-    Extremes extremes;                    ///< of the polygon, in lazy mode
+    Extremes extremes;  ///< of the polygon, in lazy mode
 
     void open(CoveragePyramid& pyramid, const MaskBlock& at) {
         static_cast<MaskBlock&>(*this) = at;
@@ -20,6 +19,12 @@ struct OpenBlock : MaskBlock {
         return pyramid.samples_outside(8 * x + int(k % 8), 8 * y + int(k / 8));
     }
 };
+
+/// Bounds of a polygon's q in a mask.
+struct DepthRange {
+    float lowest, highest;
+};
+struct NoDepthRange {};
 
 /// Strict mode: front to back, masks tell all, and colors are final.
 template <class Target>
@@ -73,8 +78,11 @@ class StrictMasks {
         block_.cell->vacant &= ~whole;
         block_.drew = true;
     }
+    /// What of depth a mask needs to know.
+    NoDepthRange depths_in(unsigned) const { return {}; }
+    NoDepthRange depths_of_all() const { return {}; }
     /// "W = P & ~C; C' = C | P" (section 3).
-    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
+    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside, NoDepthRange) {
         const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
         const std::uint64_t covered = is_vacant ? block_.samples_outside(pyramid_, k) : block_.masks[k];
         const std::uint64_t seen = inside & ~covered;
@@ -169,7 +177,15 @@ class LazyMasks {
         block_.drew = true;
     }
 
-    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
+    DepthRange depths_in(unsigned k) const {
+        const DepthPlane& d = surface_.depth;
+        const Extremes& e = block_.extremes;
+        return {d.inside(e.low_rows[k / 8] + e.low_columns[k % 8]),
+                d.inside(e.high_rows[k / 8] + e.high_columns[k % 8])};
+    }
+    DepthRange depths_of_all() const { return {surface_.depth.lowest, surface_.depth.highest}; }
+
+    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside, DepthRange range) {
         if (inside == 0) return;
         const std::size_t at = 64 * block_.index + k;
         const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
@@ -177,12 +193,12 @@ class LazyMasks {
         const std::uint64_t covered = is_vacant  ? block_.samples_outside(pyramid_, k)
                                       : is_whole ? all_subcells
                                                  : block_.masks[k];
-        if (surface_.is_deposit()) return deposit(k, inside, covered);
+        if (surface_.is_deposit()) return deposit(k, inside, covered, range);
         const std::uint64_t z_buffered = fragments_.cell(block_.index).deep | target_.samples.deposited(block_);
-        if (!is_vacant && (z_buffered >> k & 1) != 0) return tile_deep(k, inside, covered);
+        if (!is_vacant && (z_buffered >> k & 1) != 0) return tile_deep(k, inside, covered, range);
         std::uint64_t meets = inside & covered;
-        if ((block_.behind >> k & 1) != 0 || is_vacant) meets = no_subcells;
-        const float lowest = lowest_in(k), highest = highest_in(k);
+        const auto [lowest, highest] = range;
+        if (is_vacant || highest < fragments_.farthest(block_.index).q[k]) meets = no_subcells;
         std::uint64_t taken = meets;
         if (meets != 0 && !(lowest > fragments_.nearest(block_.index).q[k])) {
             taken = is_whole ? nearer_than(fragments_.surface_of_whole(block_.index, k), k, meets)
@@ -200,7 +216,7 @@ class LazyMasks {
             farthest = std::numeric_limits<float>::infinity();
             if (take(fragments_.list(at), taken, farthest) >= most_fragments) {
                 // Shows too many surfaces.
-                return tile_deep(k, inside, covered & ~taken);
+                return tile_deep(k, inside, covered & ~taken, range);
             }
         }
         fragments_.add_fragment(fragments_.list(at), {seen, surface, ABuffer::none, lowest, highest});
@@ -234,13 +250,6 @@ class LazyMasks {
     SeenSurface seen_surface(std::uint32_t index) const {
         return {fragments_.record(index).depth, fragments_.details(index), fragments_.color(index)};
     }
-    float lowest_in(unsigned k) const {
-        return surface_.depth.inside(block_.extremes.low_rows[k / 8] + block_.extremes.low_columns[k % 8]);
-    }
-    float highest_in(unsigned k) const {
-        return surface_.depth.inside(block_.extremes.high_rows[k / 8] + block_.extremes.high_columns[k % 8]);
-    }
-
     // --- cells
 
     /// Nothing takes a cell with deposits at once: they attenuate what comes after them.
@@ -407,7 +416,8 @@ class LazyMasks {
     // --- z-buffers
 
     /// Draws into a mask's z-buffer, to which the mask reverts first if it has none.
-    [[gnu::noinline]] void tile_deep(unsigned k, std::uint64_t inside, std::uint64_t covered) {
+    [[gnu::noinline]] void tile_deep(unsigned k, std::uint64_t inside, std::uint64_t covered,
+                                     DepthRange range) {
         const std::size_t at = 64 * block_.index + k;
         if ((fragments_.cell(block_.index).deep >> k & 1) == 0) make_deep(k, covered);
         DeepMask& deep = fragments_.deep(at);
@@ -420,7 +430,7 @@ class LazyMasks {
         fragments_.farthest(block_.index).q[k] =
             least_of(deep, block_.masks[k] & ~block_.samples_outside(pyramid_, k));
         float& nearest = fragments_.nearest(block_.index).q[k];
-        nearest = std::max(nearest, highest_in(k));
+        nearest = std::max(nearest, range.highest);
     }
 
     /// A mask that is vacant becomes one without samples.
@@ -502,7 +512,7 @@ class LazyMasks {
 
     /// Deposits a surface of the far field, which covers nothing: it attenuates what is drawn behind it from now on. A
     /// pixel that has geometry too is z-buffered, so that anything nearer than a deposit stays as it is.
-    [[gnu::noinline]] void deposit(unsigned k, std::uint64_t inside, std::uint64_t covered) {
+    [[gnu::noinline]] void deposit(unsigned k, std::uint64_t inside, std::uint64_t covered, DepthRange range) {
         const std::size_t at = 64 * block_.index + k;
         const std::uint64_t outside = block_.samples_outside(pyramid_, k);
         if ((inside & ~outside) == 0) return;
@@ -536,10 +546,10 @@ class LazyMasks {
         }
         if (!target_.samples.is_closed(block_, k) || (~covered & ~outside) == 0) return;
         // A pixel that deposits have closed counts as covered, at their depth, by samples that add no color.
-        if (has_geometry) return tile_deep(k, ~covered, covered);
+        if (has_geometry) return tile_deep(k, ~covered, covered, range);
         fragments_.add_fragment(fragments_.list(at),
-                                {~covered, surface_index(), ABuffer::none, lowest_in(k), highest_in(k)});
-        fragments_.farthest(block_.index).q[k] = lowest_in(k);
+                                {~covered, surface_index(), ABuffer::none, range.lowest, range.highest});
+        fragments_.farthest(block_.index).q[k] = range.lowest;
         block_.masks[k] = all_subcells;
         block_.cell->covered |= bit_of(k);
     }

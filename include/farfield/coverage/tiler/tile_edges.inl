@@ -41,6 +41,10 @@ struct TileBox {
         const int top = std::max((y0 >> shift) - 8 * y, 0), bottom = std::min((y1 >> shift) - 8 * y, 7);
         return left > right || top > bottom ? no_subcells : subcells_of_rect(left, top, right, bottom);
     }
+    bool is_empty() const { return x0 > x1 || y0 > y1; }
+    bool spans_two_masks_a_side() const {
+        return span < 1 << 13 && (x1 >> 3) - (x0 >> 3) <= 1 && (y1 >> 3) - (y0 >> 3) <= 1;
+    }
     /// Triage pays only if it saves looking at many masks.
     bool spans_few_masks() const {
         return span < 1 << 16 && ((x1 >> 3) - (x0 >> 3) + 1) * ((y1 >> 3) - (y0 >> 3) + 1) <= 16;
@@ -192,6 +196,38 @@ class TileEdges {
             const auto at = std::size_t(n);
             const std::int32_t to_mask = (a_[at] * std::int32_t(k % 8) + b_[at] * std::int32_t(k / 8)) * 8;
             inside &= MaskKernel::greater(a_[at], b_[at], ~(base[at] + to_mask));
+        }
+        return inside;
+    }
+
+    /// The edges of a polygon that spans two by two masks at most, from mask (x, y) of the image on.
+    struct TinyEdges {
+        int count = 0;
+        std::array<std::int32_t, most_edges> a, b, e;
+    };
+    TinyEdges tiny_at(int x, int y) const {
+        TinyEdges edges;
+        const std::int32_t first_x = 256 * (8 * x + target_.first_x) + 128,
+                           first_y = 256 * (8 * y + target_.first_y) + 128;
+        for (int c = 0; c < polygon_.corners; ++c) {
+            const auto from = std::size_t(c), to = std::size_t(c + 1 < polygon_.corners ? c + 1 : 0);
+            const std::int32_t dx = polygon_.x[to] - polygon_.x[from], dy = polygon_.y[to] - polygon_.y[from];
+            if (dx == 0 && dy == 0) continue;
+            const auto n = std::size_t(edges.count++);
+            edges.a[n] = -dy;
+            edges.b[n] = dx;
+            const int bias = dy < 0 || (dy == 0 && dx > 0) ? 0 : -1;
+            edges.e[n] = (dx * (first_y - polygon_.y[from]) - dy * (first_x - polygon_.x[from]) + bias) >> 8;
+        }
+        return edges;
+    }
+    /// The samples of mask (x, y) from there on.
+    std::uint64_t samples_inside(const TinyEdges& edges, int x, int y) const {
+        std::uint64_t inside = all_subcells;
+        for (int n = 0; n < edges.count; ++n) {
+            const auto at = std::size_t(n);
+            const std::int32_t e = edges.e[at] + (edges.a[at] * x + edges.b[at] * y) * 8;
+            inside &= MaskKernel::greater(edges.a[at], edges.b[at], ~e);
         }
         return inside;
     }
