@@ -179,6 +179,18 @@ class RecordedSamples : public SinglePixels {
         has_samples_[64 * block.index + k] = 1;
         come(block, k, samples, surface);
     }
+    template <class F>
+    void add_all(const MaskBlock& block, unsigned k, F&& f) {
+        check_open(block);
+        if (has_samples_[64 * block.index + k] != 0) fail("a mask was shown that had samples");
+        has_samples_[64 * block.index + k] = 1;
+        f([&](std::uint64_t samples, Rgba8 color) {
+            for_samples(block, k, samples, [&](std::size_t at, int, int) {
+                ++times_[at];
+                color_[at] = color;
+            });
+        });
+    }
     void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
         check_open(block);
         for (unsigned s = 0; s < 64; ++s) {

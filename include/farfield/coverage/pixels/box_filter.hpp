@@ -73,6 +73,8 @@ class BoxFilter {
     FARFIELD_INLINE void add_at(std::size_t index, int count, Rgba8 premultiplied, bool first) {
         sums_[index] = (first ? 0 : sums_[index]) + spread(premultiplied) * std::uint64_t(count);
     }
+    /// Sets the sum of all samples of a pixel of an open block: of spread() times how many have that color.
+    FARFIELD_INLINE void set_sum(std::size_t index, std::uint64_t sum) { sums_[index] = sum; }
     /// Adds a color other than samples' to a pixel of an open block: channels from 0 to 255 * 64, rounded down. Sums
     /// must not exceed that.
     void add_sum(std::size_t index, glm::vec4 sum) {
@@ -99,6 +101,13 @@ class BoxFilter {
         }
     }
 
+    /// Spreads the channels to 16 bits each, in their order in memory.
+    FARFIELD_INLINE static std::uint64_t spread(Rgba8 c) {
+        std::uint64_t bits = std::bit_cast<std::uint32_t>(c);
+        bits = (bits | bits << 16) & 0x0000ffff0000ffffu;
+        return (bits | bits << 8) & 0x00ff00ff00ff00ffu;
+    }
+
     /// Writes every pixel; may be repeated in a frame.
     void resolve(Image& image) const {
         blocks_.resolve(image, [sums = sums_.data()](std::size_t index, Rgba8* out) {
@@ -112,13 +121,6 @@ class BoxFilter {
     }
 
   private:
-    /// Spreads the channels to 16 bits each, in their order in memory.
-    static std::uint64_t spread(Rgba8 c) {
-        std::uint64_t bits = std::bit_cast<std::uint32_t>(c);
-        bits = (bits | bits << 16) & 0x0000ffff0000ffffu;
-        return (bits | bits << 8) & 0x00ff00ff00ff00ffu;
-    }
-
     detail::PixelBlocks blocks_;
     std::vector<std::uint64_t> sums_;  ///< for pixels of open blocks; channels are below 2^14
 };

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "farfield/coverage/a_buffer.hpp"
 #include "farfield/coverage/pixels/box_filter.hpp"
@@ -85,6 +86,22 @@ class PixelSamples {
                              const Surface& surface, bool is_first) {
         add(block, k, samples, count, color_of(block, k, surface), is_first);
     }
+    /// Adds all samples of mask k of an open block, as f(add) tells: add(samples, color).
+    template <class F>
+    FARFIELD_INLINE void add_all(const MaskBlock& block, unsigned k, F&& f) {
+        if constexpr (has_blocks) {
+            std::uint64_t sum = 0;
+            f([&](std::uint64_t samples, Rgba8 color) {
+                sum += Filter::spread(color) * std::uint64_t(bit_count(samples));
+            });
+            filter_.set_sum(64 * block.index + k, sum);
+        } else {
+            bool is_first = true;
+            f([&](std::uint64_t samples, Rgba8 color) {
+                add(block, k, samples, bit_count(samples), color, std::exchange(is_first, false));
+            });
+        }
+    }
     /// Deposits a surface of the far field over the samples `inside` of mask k, of which the subset `seen` is not
     /// behind geometry. Returns the part of each lane's transmittance that is left.
     FarPixels::LaneParts deposit(const MaskBlock& block, unsigned k, std::uint64_t inside, std::uint64_t seen,
@@ -105,9 +122,9 @@ class PixelSamples {
     }
     /// Adds all samples of mask k.
     void replace(const MaskBlock& block, unsigned k, const DeepMask& deep) {
-        for (unsigned s = 0; s < 64; ++s) {
-            add(block, k, std::uint64_t(1) << s, 1, deep.color[s], s == 0);
-        }
+        add_all(block, k, [&](auto&& add_one) {
+            for (unsigned s = 0; s < 64; ++s) add_one(std::uint64_t(1) << s, deep.color[s]);
+        });
     }
 
     void resolve(Image& image) {

@@ -148,13 +148,30 @@ struct CoverageTarget {
                 samples.replace(block, k, fragments.deep(at));
                 continue;
             }
-            bool is_first = true;
-            for (std::uint32_t f = fragments.list(at); f != ABuffer::none; f = fragments.fragment(f).next) {
-                const std::uint64_t bits = fragments.fragment(f).bits;
-                samples.add(block, k, bits, bit_count(bits), shown(fragments.fragment(f).surface), is_first);
-                is_first = false;
-            }
+            show_mask(block, k, fragments.list(at));
         }
+    }
+    void show_mask(const MaskBlock& block, unsigned k, std::uint32_t list) requires(is_lazy) {
+        if constexpr (!samples_type::shades_samples) {
+            samples.add_all(block, k, [&](auto&& add) {
+                for (std::uint32_t f = list; f != ABuffer::none; f = fragments.fragment(f).next) {
+                    add(fragments.fragment(f).bits, shown_color(block, k, fragments.fragment(f).surface));
+                }
+            });
+            return;
+        }
+        bool is_first = true;
+        for (std::uint32_t f = list; f != ABuffer::none; f = fragments.fragment(f).next) {
+            const std::uint64_t bits = fragments.fragment(f).bits;
+            samples.add(block, k, bits, bit_count(bits), shown(fragments.fragment(f).surface), is_first);
+            is_first = false;
+        }
+    }
+    FARFIELD_INLINE Rgba8 shown_color(const MaskBlock& block, unsigned k, std::uint32_t surface) requires(is_lazy) {
+        Surface* const details = fragments.details(surface);
+        if (details == nullptr || details->is_flat) return fragments.color(surface);
+        details->need_gradient();
+        return details->seen_color_of_pixel(block.sample_x_of(k), block.sample_y_of(k));
     }
     /// The surface as it is to be shown.
     const Surface& shown(std::uint32_t surface) requires(is_lazy) {

@@ -193,14 +193,29 @@ class LazyMasks {
         const std::uint64_t covered = is_vacant  ? block_.samples_outside(pyramid_, k)
                                       : is_whole ? all_subcells
                                                  : block_.masks[k];
-        if (surface_.is_deposit()) return deposit(k, inside, covered, range);
-        const std::uint64_t z_buffered = fragments_.cell(block_.index).deep | target_.samples.deposited(block_);
-        if (!is_vacant && (z_buffered >> k & 1) != 0) return tile_deep(k, inside, covered, range);
-        std::uint64_t meets = inside & covered;
+        if (surface_.is_deposit()) [[unlikely]]
+            return deposit(k, inside, covered, range);
+        float& farthest = fragments_.farthest(block_.index).q[k];
+        float& nearest = fragments_.nearest(block_.index).q[k];
         const auto [lowest, highest] = range;
-        if (is_vacant || highest < fragments_.farthest(block_.index).q[k]) meets = no_subcells;
+        if (is_vacant) {
+            inside &= ~covered;
+            if (inside == 0) return;
+            fragments_.list(at) = ABuffer::none;
+            fragments_.add_fragment(fragments_.list(at), {inside, surface_index(), ABuffer::none, lowest, highest});
+            farthest = lowest;
+            nearest = highest;
+            block_.masks[k] = covered | inside;
+            block_.cell->vacant &= ~bit_of(k);
+            if (block_.masks[k] == all_subcells) block_.cell->covered |= bit_of(k);
+            block_.drew = true;
+            return;
+        }
+        const std::uint64_t z_buffered = fragments_.cell(block_.index).deep | target_.samples.deposited(block_);
+        if ((z_buffered >> k & 1) != 0) return tile_deep(k, inside, covered, range);
+        const std::uint64_t meets = highest < farthest ? no_subcells : inside & covered;
         std::uint64_t taken = meets;
-        if (meets != 0 && !(lowest > fragments_.nearest(block_.index).q[k])) {
+        if (meets != 0 && !(lowest > nearest)) {
             taken = is_whole ? nearer_than(fragments_.surface_of_whole(block_.index, k), k, meets)
                              : nearer_in_list(fragments_.list(at), k, meets, lowest, highest);
         }
@@ -208,9 +223,6 @@ class LazyMasks {
         if (seen == 0) return;
         block_.drew = true;
         if (is_whole) open_mask(k);
-        if (is_vacant) fragments_.list(at) = ABuffer::none;
-        float& farthest = fragments_.farthest(block_.index).q[k];
-        float& nearest = fragments_.nearest(block_.index).q[k];
         const std::uint32_t surface = surface_index();
         if (taken != 0) {
             farthest = std::numeric_limits<float>::infinity();
@@ -223,7 +235,6 @@ class LazyMasks {
         farthest = std::min(farthest, lowest);
         nearest = std::max(nearest, highest);
         block_.masks[k] = covered | seen;
-        block_.cell->vacant &= ~bit_of(k);
         if (block_.masks[k] == all_subcells) block_.cell->covered |= bit_of(k);
     }
 
