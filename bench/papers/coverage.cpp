@@ -3,9 +3,9 @@
 // views, and the worst one.
 //
 // The yardstick is the peer (peers/plain_z_buffer.hpp), compiled for this processor, which gets the same triangles as
-// the z-buffer: those of cells in the frustum, from the same octree. "all" gets every triangle, "portable" is compiled
-// for any processor. Of a row "ours, other" a speed-up is other / ours, wanted to be at least so much, and a share is
-// ours / other, wanted to be at most so much.
+// the z-buffer, of one color each: those of cells in the frustum, from the same octree. "all" gets every triangle,
+// "portable" is compiled for any processor. Of a row "ours, other" a speed-up is other / ours, wanted to be at least so
+// much, and a share is ours / other, wanted to be at most so much.
 //
 //   cube      192 squares, sorted, in both forms (scenes/square_cube.hpp)
 //   inside    an office of a million triangles from rooms and corridors
@@ -227,7 +227,7 @@ void cube(const Run& run) {
 void inside(const Run& run) {
     const OfficePlan plan;
     const std::vector<View> views = run.some(plan.inside());
-    const auto triangles = scenes::expanded(scenes::building(plan.options)).groups.back().triangles;
+    const auto triangles = in_flat_colors(scenes::expanded(scenes::building(plan.options)).groups.back().triangles);
     const auto hierarchy = built<OctreeOfBsps>("inside, octree of BSPs", triangles);
     measure(run, "inside", views, triangles, &hierarchy, {.strict = 1500, .lazy = 750, .hierarchical_z = 0.4});
     const auto masks = drawer<StrictCoverageRenderer>(hierarchy, triangles, CoverageOptions{});
@@ -253,7 +253,7 @@ void outside(const Run& run) {
     OfficePlan plan;
     plan.options.exterior_walls = false;
     const std::vector<View> views = run.some(plan.outside());
-    const auto triangles = scenes::expanded(scenes::building(plan.options)).groups.back().triangles;
+    const auto triangles = in_flat_colors(scenes::expanded(scenes::building(plan.options)).groups.back().triangles);
     const auto hierarchy = built<OctreeOfBsps>("outside, octree of BSPs", triangles);
     measure(run, "outside", views, triangles, &hierarchy, {.strict = 9, .lazy = 7, .hierarchical_z = 1.0});
     if (run.is_quick) return;
@@ -297,7 +297,7 @@ std::vector<View> beside_trees(const Box& bounds, double times) {
 }
 
 void forest(const Run& run, const std::string& name, std::vector<View> (*views_of)(const Box&), const Marks& marks) {
-    const auto triangles = triangles_of("forest");
+    const auto triangles = in_flat_colors(triangles_of("forest"));
     Box bounds = Box::empty();
     for (const VertexColoredTriangle& t : triangles) bounds.add(t.bounds());
     const std::vector<View> views = run.some(views_of(bounds));
