@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -125,6 +128,47 @@ struct Run {
         for (const View& view : views) result.push_back(pair(view, ours, other));
         return result;
     }
+};
+
+/// Drawers that take turns in one run, all of them on each view, and the rows that compare two of them. What they draw
+/// outlives it.
+class Race {
+  public:
+    Race(const Run& run, std::string scene) : run_(run), scene_(std::move(scene)) {}
+
+    Drawer& add(const std::string& who, std::unique_ptr<Drawer> drawer) {
+        names_.push_back(who);
+        drawers_.push_back(std::move(drawer));
+        return *drawers_.back();
+    }
+    Drawer& operator[](const std::string& who) const { return *drawers_[index(who)]; }
+
+    void draw(const std::vector<View>& views) {
+        for (const View& view : views) {
+            std::vector<std::function<void()>> frames;
+            for (const auto& drawer : drawers_) frames.push_back([&view, &drawer] { drawer->frame(view); });
+            turns_.push_back(in_turns(run_.patience, frames));
+        }
+    }
+
+    void row(const std::string& ours, const std::string& other, const Wanted& wanted = {}) const {
+        std::vector<PairTimes> pairs;
+        for (const Turns& turns : turns_) pairs.push_back(pair_of(turns[index(ours)], turns[index(other)]));
+        Table::add(scene_ + ": " + ours + ", " + other, pairs, wanted);
+    }
+
+  private:
+    std::size_t index(const std::string& who) const {
+        const auto found = std::find(names_.begin(), names_.end(), who);
+        if (found == names_.end()) throw std::logic_error("nobody is called " + who);
+        return std::size_t(found - names_.begin());
+    }
+
+    const Run& run_;
+    std::string scene_;
+    std::vector<std::string> names_;
+    std::vector<std::unique_ptr<Drawer>> drawers_;
+    std::vector<Turns> turns_;  ///< one a view
 };
 
 /// A quadrilateral of one color.

@@ -50,27 +50,32 @@ struct OfficePlan {
         return 1 + (((index(y) << 6 | index(z)) << 6 | index(x)) * 3 + std::uint32_t(zone));
     }
 
-    /// A walk through rooms, doors and corridors; the first is scenes::inside_building.
+    /// A walk through rooms, doors and corridors; the first is scenes::inside_building. Each view is followed, ten
+    /// later, by what is seen from the same place of another room.
     std::vector<View> inside() const {
-        const glm::dvec3 middle = corner(6, 2, 1), outer = corner(2, 1, 0), last = corner(9, 3, 2);
-        const auto from = [](glm::dvec3 c, glm::dvec3 eye, glm::dvec3 target) {
-            return at_eye_level(c + eye, c + target);
+        std::vector<View> views{office_view(scenes::inside_building(options))};
+        const auto walk = [&](glm::dvec3 middle, glm::dvec3 end, glm::dvec3 outer, glm::dvec3 last) {
+            const auto from = [&](glm::dvec3 c, glm::dvec3 eye, glm::dvec3 target) {
+                views.push_back(at_eye_level(c + eye, c + target));
+            };
+            from(middle, {2.0, 1.65, 4.5}, {2.0, 1.2, 0.0});    // from the door back at the desk
+            from(middle, {2.0, 1.65, 6.25}, {2.0, 1.3, 0.0});   // from the corridor into the room
+            from(middle, {2.0, 1.65, 6.25}, {8.0, 1.5, 6.25});  // along the corridor
+            from(end, {0.5, 1.65, 6.25}, {40, 1.5, 6.25});      // along all of it
+            from(middle, {1.0, 1.65, 6.6}, {5.0, 1.3, 3.0});    // aslant into doors
+            from(outer, {2.2, 1.65, 4.2}, {1.8, 1.4, 0.0});     // towards a window
+            from(outer, {0.8, 1.65, 0.8}, {2.6, 1.4, 5.0});     // out of its door
+            from(outer, {1.0, 1.65, 3.4}, {6.0, 1.4, 3.7});     // through a door to the neighbor
+            from(last, {3.0, 1.65, 10.0}, {1.5, 1.3, 6.0});     // the other side of the corridor
         };
-        return {
-            office_view(scenes::inside_building(options)),
-            from(middle, {2.0, 1.65, 4.5}, {2.0, 1.2, 0.0}),            // from the door back at the desk
-            from(middle, {2.0, 1.65, 6.25}, {2.0, 1.3, 0.0}),           // from the corridor into the room
-            from(middle, {2.0, 1.65, 6.25}, {8.0, 1.5, 6.25}),          // along the corridor
-            from(corner(0, 2, 1), {0.5, 1.65, 6.25}, {40, 1.5, 6.25}),  // along all of it
-            from(middle, {1.0, 1.65, 6.6}, {5.0, 1.3, 3.0}),            // aslant into doors
-            from(outer, {2.2, 1.65, 4.2}, {1.8, 1.4, 0.0}),             // towards a window
-            from(outer, {0.8, 1.65, 0.8}, {2.6, 1.4, 5.0}),             // out of its door
-            from(outer, {1.0, 1.65, 3.4}, {6.0, 1.4, 3.7}),             // through a door to the neighbor
-            from(last, {3.0, 1.65, 10.0}, {1.5, 1.3, 6.0}),             // the other side of the corridor
-        };
+        walk(corner(6, 2, 1), corner(0, 2, 1), corner(2, 1, 0), corner(9, 3, 2));
+        const glm::dvec3 other = corner(8, 0, 2);
+        views.push_back(at_eye_level(other + glm::dvec3(2.0, 1.65, 1.0), other + glm::dvec3(2.0, 1.4, 9.0)));
+        walk(corner(3, 3, 1), corner(0, 4, 2), corner(10, 4, 0), corner(5, 1, 1));
+        return views;
     }
 
-    /// Around it, and one from above.
+    /// Around it, from the ground to above the roof; the first is scenes::outside_building.
     std::vector<View> outside() const {
         const double half = 0.0625;
         const glm::dvec3 size(4.0 * double(options.rooms_per_side), 3.5 * double(options.floors),
@@ -78,9 +83,8 @@ struct OfficePlan {
         const BoxD box{{-0.5 * size.x - half, -0.25, -0.5 * size.z - half},
                        {0.5 * size.x + half, size.y, 0.5 * size.z + half}};
         std::vector<View> views{office_view(scenes::outside_building(options))};
-        for (const auto& [degrees, rise] :
-             {std::pair{5.0, 0.1}, {60.0, 0.2}, {100.0, 0.4}, {215.0, 0.0}, {320.0, 0.3}}) {
-            const double angle = degrees * 3.14159265358979 / 180;
+        for (int i = 0; i < 19; ++i) {
+            const double angle = (5 + 360.0 / 19 * i) * 3.14159265358979 / 180, rise = 0.1 * (i % 5);
             views.push_back(office_view(scenes::framing(box, {std::sin(angle), rise, std::cos(angle)}, 0.785398163f)));
         }
         return views;

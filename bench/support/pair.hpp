@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <ctime>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -49,39 +50,55 @@ struct PairTimes {
     double noise = 0;    ///< half of the range between the quartiles of speedup, as a part of it
 };
 
-template <class Ours, class Other>
-PairTimes in_turns(const Patience& patience, Ours&& ours, Other&& other) {
-    ours();  // Buffers grow to what the view needs.
-    other();
-    std::vector<double> times, other_times, speedups;
+/// Seconds of each that took turns, turn by turn.
+using Turns = std::vector<std::vector<double>>;
+
+inline Turns in_turns(const Patience& patience, const std::vector<std::function<void()>>& frames) {
+    for (const auto& frame : frames) frame();  // Buffers grow to what the view needs.
+    Turns turns(frames.size());
     const auto start = std::chrono::steady_clock::now();
-    while (times.size() < patience.least_turns ||
-           (times.size() < patience.most_turns && seconds_since(start) < patience.seconds)) {
-        other_times.push_back(processor_seconds_in_turn(other_times.empty() ? 0 : other_times.back(), other));
-        times.push_back(processor_seconds_in_turn(times.empty() ? 0 : times.back(), ours));
-        speedups.push_back(other_times.back() / std::max(times.back(), 1e-6));
+    for (std::size_t turn = 0;
+         turn < patience.least_turns || (turn < patience.most_turns && seconds_since(start) < patience.seconds);
+         ++turn) {
+        for (std::size_t i = 0; i < frames.size(); ++i) {
+            turns[i].push_back(processor_seconds_in_turn(turn == 0 ? 0 : turns[i].back(), frames[i]));
+        }
     }
+    return turns;
+}
+
+inline PairTimes pair_of(const std::vector<double>& ours, const std::vector<double>& other) {
+    std::vector<double> speedups;
+    for (std::size_t i = 0; i < ours.size(); ++i) speedups.push_back(other[i] / std::max(ours[i], 1e-6));
     std::sort(speedups.begin(), speedups.end());
     const std::size_t n = speedups.size();
     const double speedup = speedups[n / 2];
-    return {median(times) * 1e3, median(other_times) * 1e3, speedup,
-            (speedups[3 * n / 4] - speedups[n / 4]) / (2 * speedup)};
+    return {median(ours) * 1e3, median(other) * 1e3, speedup, (speedups[3 * n / 4] - speedups[n / 4]) / (2 * speedup)};
+}
+
+inline PairTimes in_turns(const Patience& patience, const std::function<void()>& ours,
+                          const std::function<void()>& other) {
+    const Turns turns = in_turns(patience, {other, ours});
+    return pair_of(turns[1], turns[0]);
 }
 
 /// What has to be reached: a speed-up of at least that, a time of at most that part of the other's, or a figure.
 struct Wanted {
-    enum class Kind { nothing, at_least, at_most, equal };
+    enum class Kind { nothing, at_least, at_most, equal, share };
     Kind kind = Kind::nothing;
     double figure = 0;
 
     static Wanted at_least(double figure) { return {Kind::at_least, figure}; }
     static Wanted at_most(double figure) { return {Kind::at_most, figure}; }
+    /// Nothing is wanted of a part of the other's time.
+    static Wanted share() { return {Kind::share, 0}; }
+    bool is_wanted() const { return kind != Kind::nothing && kind != Kind::share; }
     bool is_reached(double reached) const {
         if (kind == Kind::equal) return std::abs(reached - figure) < 1e-3 * figure;
-        return kind == Kind::nothing || (kind == Kind::at_least ? reached >= figure : reached <= figure);
+        return !is_wanted() || (kind == Kind::at_least ? reached >= figure : reached <= figure);
     }
     std::string text() const {
-        if (kind == Kind::nothing) return "";
+        if (!is_wanted()) return "";
         std::array<char, 24> text{};
         constexpr const char* signs[] = {"", ">= ", "<= ", "= "};
         std::snprintf(text.data(), text.size(), "%s%.4g", signs[int(kind)], figure);
@@ -97,9 +114,9 @@ class Table {
         std::puts("|---|---|---|---|---|---|---|---|---|");
     }
 
-    /// A pair over views: medians. `at_most` wants shares of the other's time, everything else speed-ups.
+    /// A pair over views: medians. `at_most` and `share` want shares of the other's time, everything else speed-ups.
     static void add(const std::string& name, const std::vector<PairTimes>& views, const Wanted& wanted = {}) {
-        const bool is_share = wanted.kind == Wanted::Kind::at_most;
+        const bool is_share = wanted.kind == Wanted::Kind::at_most || wanted.kind == Wanted::Kind::share;
         std::vector<double> ours, other, reached, noise;
         for (const PairTimes& v : views) {
             ours.push_back(v.ms);
@@ -128,7 +145,7 @@ class Table {
 
   private:
     static const char* verdict(const Wanted& wanted, double reached) {
-        if (wanted.kind == Wanted::Kind::nothing) return "";
+        if (!wanted.is_wanted()) return "";
         return wanted.is_reached(reached) ? "reached" : "MISSED";
     }
 };

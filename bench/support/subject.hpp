@@ -42,6 +42,21 @@ inline std::vector<Primitive> triangles_of(const std::string& scene) {
     return std::move(s.groups.back().triangles);
 }
 
+/// The same with one color a triangle, and one for two in a row that are a quadrilateral (a, b, c and a, c, d): their
+/// mean. What knows no other colors can then draw the same picture.
+inline std::vector<Primitive> in_flat_colors(std::vector<Primitive> triangles) {
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        Primitive& t = triangles[i];
+        glm::vec4 color = t.color();
+        const bool is_half = i + 1 < triangles.size() && t.vertices[0] == triangles[i + 1].vertices[0] &&
+                             t.vertices[2] == triangles[i + 1].vertices[1];
+        if (is_half) color = 0.5f * (color + triangles[i + 1].color());
+        t.rgba.fill(to_rgba8(color));
+        if (is_half) triangles[++i].rgba = t.rgba;
+    }
+    return triangles;
+}
+
 /// Chamberlain 1996, Table 2: the view from `distance` radii, `angle_degrees` off axis; a radius is half of the largest
 /// side of the bounds.
 inline View table_view(const Box& bounds, double distance, double angle_degrees, int size) {
