@@ -51,6 +51,15 @@ class PolygonSetup {
     }
     /// Draws the polygons of positions [first, end).
     void draw(std::uint32_t first, std::uint32_t end) {
+        defers_backs_ = Tile::needs_depth && !culls_back_faces_;
+        draw_in_order(first, end);
+        defers_backs_ = false;
+        for (std::size_t i = 0; i < deferred_count_; ++i) draw(*deferred_[i].record, deferred_[i].part);
+        deferred_count_ = 0;
+    }
+
+  private:
+    void draw_in_order(std::uint32_t first, std::uint32_t end) {
         std::uint32_t record = stream_.first_record(first);
         const std::uint32_t last = stream_.first_record(end);
         // Two primitives may share a record.
@@ -59,8 +68,35 @@ class PolygonSetup {
         if (stream_.begins_within(end) && first != end && record == last) draw(stream_[last], Part::first);
     }
 
-  private:
+    using Three = PolygonRecord::Three;
+
+    struct Corners {
+        std::array<std::int32_t, 4> x, y;
+        std::array<float, 4> q;
+
+        std::int64_t turn(unsigned a, unsigned b, unsigned c) const {
+            return std::int64_t(x[b] - x[a]) * (y[c] - y[b]) - std::int64_t(y[b] - y[a]) * (x[c] - x[b]);
+        }
+        SnappedTriangle triangle(const Three& of) const {
+            const auto [a, b, c] = of;
+            return {{x[a], x[b], x[c]}, {y[a], y[b], y[c]}, {q[a], q[b], q[c]}};
+        }
+    };
+
     enum class Part { first, second, both };
+    struct Deferred {
+        const PolygonRecord* record;
+        Part part;
+    };
+    /// Whether a polygon is left for later. Of a closed surface the backs are hidden by the fronts, if those come first;
+    /// for polygons of a pixel or two that is not worth being projected twice.
+    bool defers(const PolygonRecord& r, Part part, const Corners& k, bool is_front) {
+        constexpr std::int32_t two_masks = 16 * 256;
+        if (!defers_backs_ || is_front != projection_.is_mirrored || deferred_count_ == deferred_.size()) return false;
+        if (std::abs(k.x[2] - k.x[0]) < two_masks && std::abs(k.y[2] - k.y[0]) < two_masks) return false;
+        deferred_[deferred_count_++] = {&r, part};
+        return true;
+    }
 
     void draw(const PolygonRecord& r, Part part) {
         // Projects four corners side by side, as SampleProjection does one.
@@ -98,7 +134,9 @@ class PolygonSetup {
         if (part == Part::both) {
             draw_quadrilateral(r, corners, colors);
         } else {
-            draw_triangle(r, corners, r.half(part == Part::first ? 0 : 1), colors);
+            const Three half = r.half(part == Part::first ? 0 : 1);
+            if (defers_backs_ && defers(r, part, corners, corners.turn(half[0], half[1], half[2]) < 0)) return;
+            draw_triangle(r, corners, half, colors);
         }
     }
 
@@ -110,20 +148,6 @@ class PolygonSetup {
         return (halves[0] & halves[1]) == ~std::uint64_t(0);
     }
 
-    using Three = PolygonRecord::Three;
-
-    struct Corners {
-        std::array<std::int32_t, 4> x, y;
-        std::array<float, 4> q;
-
-        std::int64_t turn(unsigned a, unsigned b, unsigned c) const {
-            return std::int64_t(x[b] - x[a]) * (y[c] - y[b]) - std::int64_t(y[b] - y[a]) * (x[c] - x[b]);
-        }
-        SnappedTriangle triangle(const Three& of) const {
-            const auto [a, b, c] = of;
-            return {{x[a], x[b], x[c]}, {y[a], y[b], y[c]}, {q[a], q[b], q[c]}};
-        }
-    };
 
     void draw_quadrilateral(const PolygonRecord& r, const Corners& k, const Rgba8* colors) {
         const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
@@ -140,7 +164,7 @@ class PolygonSetup {
             // Snapping bent it, or both are true because all turns are 0 and nothing is left.
             return is_front ? void() : draw_halves();
         }
-        if (is_culled(is_front)) return;
+        if (is_culled(is_front) || defers(r, Part::both, k, is_front)) return;
         polygon_.corners = 4;
         const unsigned order[4] = {0, is_front ? 3u : 1u, 2, is_front ? 1u : 3u};
         for (unsigned c = 0; c < 4; ++c) {
@@ -308,6 +332,9 @@ class PolygonSetup {
     bool culls_back_faces_;
     TilePolygon& polygon_;
     Tile tile_;
+    bool defers_backs_ = false;
+    std::size_t deferred_count_ = 0;
+    std::array<Deferred, 64> deferred_;
 };
 
 }  // namespace farfield::detail
