@@ -42,7 +42,7 @@ class ABuffer {
     struct Fragment {
         std::uint64_t bits;  ///< never 0
         std::uint32_t surface;
-        std::uint32_t next;   ///< or none
+        std::uint32_t next;     ///< or none
         float lowest, highest;  ///< of a mask: bounds of the surface's q over all of its samples
     };
 
@@ -84,8 +84,8 @@ class ABuffer {
 
     Cell& cell(std::size_t cell) { return cells_[cell]; }
     const Cell& cell(std::size_t cell) const { return cells_[cell]; }
-    /// The fragments of mask `at` of samples, 64 * block + subcell, or its DeepMask if z-buffered. Valid where the block
-    /// says that the mask is refined.
+    /// The fragments of mask `at` of samples, 64 * block + subcell, or its DeepMask if z-buffered. Valid where the
+    /// block says that the mask is refined.
     std::uint32_t& list(std::size_t at) { return lists_[at]; }
     std::uint32_t list(std::size_t at) const { return lists_[at]; }
 

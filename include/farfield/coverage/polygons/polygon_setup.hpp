@@ -46,9 +46,7 @@ class PolygonSetup {
 
     /// Draws a record of the stream. Nothing is tiled if it holds no sample of the image or is turned away; triangles
     /// are tiled if snapping bends it or if it has to be clipped.
-    void draw(const PolygonRecord& r) {
-        draw(r, r.is_triangle ? Part::first : Part::both);
-    }
+    void draw(const PolygonRecord& r) { draw(r, r.is_triangle ? Part::first : Part::both); }
     /// Draws the polygons of positions [first, end).
     void draw(std::uint32_t first, std::uint32_t end) {
         defers_backs_ = Tile::needs_depth && !culls_back_faces_;
@@ -88,8 +86,8 @@ class PolygonSetup {
         const PolygonRecord* record;
         Part part;
     };
-    /// Whether a polygon is left for later. Of a closed surface the backs are hidden by the fronts, if those come first;
-    /// for polygons of a pixel or two that is not worth being projected twice.
+    /// Whether a polygon is left for later. Of a closed surface the backs are hidden by the fronts, if those come
+    /// first; for polygons of a pixel or two that is not worth being projected twice.
     bool defers(const PolygonRecord& r, Part part, const Corners& k, bool is_front) {
         constexpr std::int32_t two_masks = 16 * 256;
         if (!defers_backs_ || is_front != projection_.is_mirrored || deferred_count_ == deferred_.size()) return false;
@@ -147,7 +145,6 @@ class PolygonSetup {
         std::memcpy(halves, &lanes, sizeof halves);
         return (halves[0] & halves[1]) == ~std::uint64_t(0);
     }
-
 
     void draw_quadrilateral(const PolygonRecord& r, const Corners& k, const Rgba8* colors) {
         const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});

@@ -174,7 +174,8 @@ class PolygonStream {
             if (colors_[other.colors + end] != colors[0] || colors_[other.colors + (end + 1) % 3] != colors[2])
                 return false;
         }
-        const Polygon joined{{corners, 4}, is_flat ? std::span<const Rgba8>(&one.color, 1) : std::span<const Rgba8>(colors, 4)};
+        const Polygon joined{{corners, 4},
+                             is_flat ? std::span<const Rgba8>(&one.color, 1) : std::span<const Rgba8>(colors, 4)};
         if (!is_plane(joined.vertices) || !(is_flat || has_one_gradient(joined, 1))) return false;
         for (unsigned c = 0; c < 4; ++c) {
             one.x[c] = corners[c].x;
@@ -198,8 +199,7 @@ class PolygonStream {
     /// Whether a quadrilateral is convex and no more bent than its corners' rounding explains.
     static bool is_plane(std::span<const glm::vec3> corners) {
         glm::vec3 u = corners[1] - corners[0], v = corners[2] - corners[0], w = corners[3] - corners[0];
-        const float longest =
-            glm::max(largest_component(u), glm::max(largest_component(v), largest_component(w)));
+        const float longest = glm::max(largest_component(u), glm::max(largest_component(v), largest_component(w)));
         const int exponent = -exponent_of(longest);
         for (glm::vec3* side : {&u, &v, &w}) *side = times_power_of_two(*side, exponent);
         const glm::vec3 one = glm::cross(u, v), other = glm::cross(v, w);

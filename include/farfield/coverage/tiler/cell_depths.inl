@@ -36,10 +36,7 @@ class LazyCells {
   public:
     /// `thickness`: how much less than the one plane's its q may be.
     LazyCells(Target& target, const DepthPlane* planes, int plane_count, float thickness = 0)
-        : target_(target),
-          planes_(planes),
-          plane_count_(plane_count),
-          thickness_(thickness) {}
+        : target_(target), planes_(planes), plane_count_(plane_count), thickness_(thickness) {}
 
     // --- whether it lies behind all that is seen
 

@@ -168,11 +168,10 @@ class Tiler : Masks<Target> {
         Base::open_block(target_.block_at(x, y));
         const TriageMask& cell = *block_.cell;
         const std::uint64_t possible =
-            t.possible & ~(cell.covered & depths_.behind(t.possible & ~cell.vacant, block_.index, 1, x, y,
-                                                          block_.extremes));
+            t.possible &
+            ~(cell.covered & depths_.behind(t.possible & ~cell.vacant, block_.index, 1, x, y, block_.extremes));
         const std::uint64_t inside = surface_.covers_all() ? t.covered & possible : no_subcells;
-        const std::uint64_t whole =
-            inside != 0 ? Base::taken(inside, block_.index, block_.extremes) : no_subcells;
+        const std::uint64_t whole = inside != 0 ? Base::taken(inside, block_.index, block_.extremes) : no_subcells;
         if (possible == 0) return false;
         if (Base::cover_block(whole)) return true;
         Base::begin_masks();

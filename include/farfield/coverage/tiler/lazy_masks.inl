@@ -132,9 +132,9 @@ class LazyMasks {
     std::uint64_t taken(std::uint64_t inside, std::size_t cell, const Extremes& extremes) const {
         const std::uint64_t vacant = inside & pyramid_[cell].vacant;
         if (vacant == inside) return inside;
-        return vacant | (inside & MaskKernel::plane_above(extremes.low_rows, extremes.low_columns,
-                                                          surface_.depth.lowest, surface_.depth.highest,
-                                                          fragments_.nearest(cell).q.data()));
+        return vacant |
+               (inside & MaskKernel::plane_above(extremes.low_rows, extremes.low_columns, surface_.depth.lowest,
+                                                 surface_.depth.highest, fragments_.nearest(cell).q.data()));
     }
     void cover(std::size_t cell, int, int, int, std::uint64_t subcells, const Extremes& extremes) {
         fragments_.reserve_fragments(1);
@@ -427,8 +427,7 @@ class LazyMasks {
     // --- z-buffers
 
     /// Draws into a mask's z-buffer, to which the mask reverts first if it has none.
-    [[gnu::noinline]] void tile_deep(unsigned k, std::uint64_t inside, std::uint64_t covered,
-                                     DepthRange range) {
+    [[gnu::noinline]] void tile_deep(unsigned k, std::uint64_t inside, std::uint64_t covered, DepthRange range) {
         const std::size_t at = 64 * block_.index + k;
         if ((fragments_.cell(block_.index).deep >> k & 1) == 0) make_deep(k, covered);
         DeepMask& deep = fragments_.deep(at);
@@ -438,8 +437,7 @@ class LazyMasks {
         block_.masks[k] = covered | seen;
         block_.cell->vacant &= ~bit_of(k);
         if (block_.masks[k] == all_subcells) block_.cell->covered |= bit_of(k);
-        fragments_.farthest(block_.index).q[k] =
-            least_of(deep, block_.masks[k] & ~block_.samples_outside(pyramid_, k));
+        fragments_.farthest(block_.index).q[k] = least_of(deep, block_.masks[k] & ~block_.samples_outside(pyramid_, k));
         float& nearest = fragments_.nearest(block_.index).q[k];
         nearest = std::max(nearest, range.highest);
     }

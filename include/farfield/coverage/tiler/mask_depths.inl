@@ -1,5 +1,5 @@
-// Surfaces as the samples of one mask see them: depths, bit by bit those of a z-buffer, and colors. Compiled once for each
-// instruction set: see coverage_tiler.inl.
+// Surfaces as the samples of one mask see them: depths, bit by bit those of a z-buffer, and colors. Compiled once for
+// each instruction set: see coverage_tiler.inl.
 
 /// A surface at work or of the A-buffer; neither is copied.
 struct SeenSurface {

@@ -109,22 +109,25 @@ struct MaskKernel {
 #endif
     }
 
-    /// Bit 8 * j + i: at sample (x + i, y + j), as DepthPlane::at computes it, q of plane d is above that of plane o, or
-    /// the same.
+    /// Bit 8 * j + i: at sample (x + i, y + j), as DepthPlane::at computes it, q of plane d is above that of plane o,
+    /// or the same.
     static void compare(const DepthPlane& d, const DepthPlane& o, int x, int y, std::uint64_t& above,
                         std::uint64_t& equal) {
 #if FARFIELD_LANES == 16
         const __m512 i = _mm512_set_ps(7, 6, 5, 4, 3, 2, 1, 0, 7, 6, 5, 4, 3, 2, 1, 0);
         const __m512 j = _mm512_set_ps(1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0);
-        const __m512 at_x = _mm512_add_ps(i, _mm512_set1_ps(float(x))), at_y = _mm512_add_ps(j, _mm512_set1_ps(float(y)));
+        const __m512 at_x = _mm512_add_ps(i, _mm512_set1_ps(float(x))),
+                     at_y = _mm512_add_ps(j, _mm512_set1_ps(float(y)));
         const auto columns = [&](const DepthPlane& p) {
             return _mm512_mul_ps(_mm512_set1_ps(p.by_x), _mm512_add_ps(at_x, _mm512_set1_ps(p.base_x)));
         };
         const auto depths = [&](const DepthPlane& p, __m512 column, __m512 row_y) {
-            const __m512 row = _mm512_add_ps(
-                _mm512_set1_ps(p.at_corner), _mm512_mul_ps(_mm512_set1_ps(p.by_y), _mm512_add_ps(row_y, _mm512_set1_ps(p.base_y))));
-            return _mm512_maskz_min_ps(
-                all, _mm512_maskz_max_ps(all, _mm512_add_ps(row, column), _mm512_set1_ps(p.lowest)), _mm512_set1_ps(p.highest));
+            const __m512 row =
+                _mm512_add_ps(_mm512_set1_ps(p.at_corner),
+                              _mm512_mul_ps(_mm512_set1_ps(p.by_y), _mm512_add_ps(row_y, _mm512_set1_ps(p.base_y))));
+            return _mm512_maskz_min_ps(all,
+                                       _mm512_maskz_max_ps(all, _mm512_add_ps(row, column), _mm512_set1_ps(p.lowest)),
+                                       _mm512_set1_ps(p.highest));
         };
         const __m512 d_columns = columns(d), o_columns = columns(o);
         __mmask16 is_above[4], is_equal[4];
