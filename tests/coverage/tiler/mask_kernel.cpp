@@ -71,6 +71,15 @@ void check_kernel(int lanes) {
         const float lowest = float(random.below(5)) * 0.1f - 0.2f, highest = lowest + float(random.below(5)) * 0.1f;
         const std::uint64_t below = Kernel::plane_below(rows, columns, lowest, highest, q.q.data());
         const std::uint64_t above = Kernel::plane_above(rows, columns, lowest, highest, q.q.data());
+        const std::int32_t as[3] = {a / 64, b / 64, (a - b) / 64}, bs[3] = {b / 64, -a / 64, (a + b) / 64},
+                           es[3] = {close / 64, -close / 64, slope() / 8};
+        const int edges = 1 + int(random.below(3));
+        const std::uint64_t inside = Kernel::inside_all(as, bs, es, edges);
+        for (std::int32_t k = 0; k < 64; ++k) {
+            bool is_inside = true;
+            for (int n = 0; n < edges; ++n) is_inside = is_inside && as[n] * (k % 8) + bs[n] * (k / 8) + es[n] >= 0;
+            if ((inside >> k & 1) != (is_inside ? 1u : 0u)) FAIL(lanes << " lanes: inside all");
+        }
         const std::uint64_t chosen = random.bits() & random.bits();
         Depths lowered = q, raised = q, assigned = q;
         using Update = typename Kernel::Update;

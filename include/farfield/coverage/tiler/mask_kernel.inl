@@ -282,6 +282,39 @@ struct MaskKernel {
 #endif
     }
 
+    /// Bit 8 * j + i: a[n] * i + b[n] * j + e[n] is 0 or more for all n < count, which is 1 to 6. Nothing overflows.
+    static std::uint64_t inside_all(const std::int32_t* a, const std::int32_t* b, const std::int32_t* e, int count) {
+#if FARFIELD_LANES == 16
+        const __m512i i = _mm512_set_epi32(7, 6, 5, 4, 3, 2, 1, 0, 7, 6, 5, 4, 3, 2, 1, 0);
+        __m512i rows[4] = {_mm512_setzero_si512(), _mm512_setzero_si512(), _mm512_setzero_si512(),
+                           _mm512_setzero_si512()};
+        for (int n = 0; n < count; ++n) {
+            const __m512i two_rows = _mm512_set1_epi32(2 * b[n]);
+            __m512i v = _mm512_add_epi32(
+                _mm512_mullo_epi32(i, _mm512_set1_epi32(a[n])),
+                _mm512_maskz_inserti64x4(0xff, _mm512_set1_epi32(e[n]), _mm256_set1_epi32(e[n] + b[n]), 1));
+            for (auto& row : rows) {
+                row = _mm512_or_si512(row, v);  // its sign is set if any is negative
+                v = _mm512_add_epi32(v, two_rows);
+            }
+        }
+        return ~joined(_mm512_movepi32_mask(rows[0]), _mm512_movepi32_mask(rows[1]), _mm512_movepi32_mask(rows[2]),
+                       _mm512_movepi32_mask(rows[3]));
+#else
+        EightInts rows[8] = {};
+        for (int n = 0; n < count; ++n) {
+            EightInts v = EightInts{0, 1, 2, 3, 4, 5, 6, 7} * a[n] + e[n];
+            for (auto& row : rows) {
+                row |= v;
+                v += b[n];
+            }
+        }
+        std::uint64_t outside = 0;
+        for (unsigned j = 0; j < 8; ++j) outside |= std::uint64_t(byte_of(rows[j] < 0)) << (8 * j);
+        return ~outside;
+#endif
+    }
+
     /// v[8 * j + i] = a * i + b * j.
     static void tabulate(std::int32_t a, std::int32_t b, std::int32_t* v) {
 #if FARFIELD_LANES == 16

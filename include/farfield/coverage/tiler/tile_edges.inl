@@ -191,13 +191,12 @@ class TileEdges {
         return base;
     }
     std::uint64_t samples_inside(const FewMasks& base, unsigned k) const {
-        std::uint64_t inside = all_subcells;
+        FewMasks e;
         for (int n = 0; n < count_; ++n) {
             const auto at = std::size_t(n);
-            const std::int32_t to_mask = (a_[at] * std::int32_t(k % 8) + b_[at] * std::int32_t(k / 8)) * 8;
-            inside &= MaskKernel::greater(a_[at], b_[at], ~(base[at] + to_mask));
+            e[at] = base[at] + (a_[at] * std::int32_t(k % 8) + b_[at] * std::int32_t(k / 8)) * 8;
         }
-        return inside;
+        return MaskKernel::inside_all(a_.data(), b_.data(), e.data(), count_);
     }
 
     /// The edges of a polygon that spans two by two masks at most, from mask (x, y) of the image on.
@@ -222,14 +221,13 @@ class TileEdges {
         return edges;
     }
     /// The samples of mask (x, y) from there on.
-    std::uint64_t samples_inside(const TinyEdges& edges, int x, int y) const {
-        std::uint64_t inside = all_subcells;
+    static std::uint64_t samples_inside(const TinyEdges& edges, int x, int y) {
+        std::array<std::int32_t, most_edges> e;
         for (int n = 0; n < edges.count; ++n) {
             const auto at = std::size_t(n);
-            const std::int32_t e = edges.e[at] + (edges.a[at] * x + edges.b[at] * y) * 8;
-            inside &= MaskKernel::greater(edges.a[at], edges.b[at], ~e);
+            e[at] = edges.e[at] + (edges.a[at] * x + edges.b[at] * y) * 8;
         }
-        return inside;
+        return MaskKernel::inside_all(edges.a.data(), edges.b.data(), e.data(), edges.count);
     }
 
   private:
