@@ -4,20 +4,19 @@
 // span, narrow ones test their edges; loops over rows are left to the compiler's vectors; nothing is cleared for
 // itself: colors count only where depth was written, and depth is reset while the filter has it in the cache, within
 // the rectangle that was drawn to.
-#include "peers/plain_z_buffer.hpp"
+#include "plain_z_buffer.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <utility>
 #include <vector>
 
 namespace farfield::bench {
 namespace {
 
-constexpr int narrow = 24;                    ///< samples; up to it a row's edges are tested one by one
+constexpr int narrow = 8;                     ///< samples; up to it a row's edges are tested one by one
 constexpr float guard_band = 16000.0f * 256;  ///< 1/256 samples from the center; polygons are clipped there
 
 struct Corner {
@@ -218,30 +217,32 @@ class Afternoon final : public PlainZBuffer {
 
     /// Writes pixels [first, end) of a row, and resets depth.
     void filter_row(int y, int first, int end) {
-        const std::size_t stride = std::size_t(width_), begin = std::size_t(first * a_side_);
-        const std::size_t count = std::size_t((end - first) * a_side_);
-        std::uint32_t* const even = sums_.data();
-        std::uint32_t* const odd = even + count;
-        std::fill(even, even + 2 * count, 0u);
+        const std::size_t begin = std::size_t(first * a_side_), count = std::size_t((end - first) * a_side_);
+        std::uint32_t* __restrict even = sums_.data();
+        std::uint32_t* __restrict odd = even + count;
         for (int row = 0; row < a_side_; ++row) {
-            const std::size_t at = std::size_t(y * a_side_ + row) * stride + begin;
+            const std::size_t at = std::size_t(y * a_side_ + row) * std::size_t(width_) + begin;
             float* __restrict depth = &depth_[at];
             const std::uint32_t* __restrict colors = &color_[at];
-            for (std::size_t i = 0; i < count; ++i) {
-                const std::uint32_t c = depth[i] > 0 ? colors[i] : 0;
-                even[i] += c & 0x00ff00ffu;  // two channels a word: 64 times 255 stay below 2^16
-                odd[i] += c >> 8 & 0x00ff00ffu;
-                depth[i] = 0;
+            if (a_side_ == 1) {
+                Rgba8* __restrict pixels = &image_.at(first, y);
+                for (std::size_t i = 0; i < count; ++i) {
+                    pixels[i] = std::bit_cast<Rgba8>(depth[i] > 0 ? colors[i] : 0);
+                }
+            } else {
+                if (row == 0) std::fill(even, even + 2 * count, 0u);
+                for (std::size_t i = 0; i < count; ++i) {
+                    const std::uint32_t c = depth[i] > 0 ? colors[i] : 0;
+                    even[i] += c & 0x00ff00ffu;  // two channels a word: 64 times 255 stay below 2^16
+                    odd[i] += c >> 8 & 0x00ff00ffu;
+                }
             }
+            std::fill(depth, depth + count, 0.0f);
         }
-        const std::uint32_t shift = a_side_ == 1 ? 0 : 6, half = a_side_ == 1 ? 0 : 0x00200020u;
-        for (int x = first; x < end; ++x) {
-            std::uint32_t e = half, o = half;
-            for (int i = 0; i < a_side_; ++i) {
-                e += even[(x - first) * a_side_ + i];
-                o += odd[(x - first) * a_side_ + i];
-            }
-            image_.at(x, y) = std::bit_cast<Rgba8>((e >> shift & 0x00ff00ffu) | (o >> shift & 0x00ff00ffu) << 8);
+        for (int x = first; a_side_ == 8 && x < end; ++x) {
+            std::uint32_t e = 0x00200020u, o = 0x00200020u;  // rounds to nearest
+            for (int i = (x - first) * 8, last = i + 8; i < last; ++i) e += even[i], o += odd[i];
+            image_.at(x, y) = std::bit_cast<Rgba8>((e >> 6 & 0x00ff00ffu) | (o >> 6 & 0x00ff00ffu) << 8);
         }
     }
 
