@@ -10,13 +10,14 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <utility>
 #include <vector>
 
 namespace farfield::bench {
 namespace {
 
-constexpr int narrow = 8;                     ///< samples; up to it a row's edges are tested one by one
+constexpr int narrow = 32;                    ///< samples; up to it a row's edges are tested at each
 constexpr float guard_band = 16000.0f * 256;  ///< 1/256 samples from the center; polygons are clipped there
 
 struct Corner {
@@ -196,12 +197,21 @@ class Afternoon final : public PlainZBuffer {
 
     static void test_row(float* __restrict depth, std::uint32_t* __restrict colors, int count, int a, int b, int c,
                          int a_x, int b_x, int c_x, float q, float q_by_x, std::uint32_t color) {
+        if (count < 8) {  // too few for vectors
+            for (int i = 0; i < count; ++i, a += a_x, b += b_x, c += c_x) {
+                const float here = q + q_by_x * float(i);
+                if ((a | b | c) >= 0 && here > depth[i]) {
+                    depth[i] = here;
+                    colors[i] = color;
+                }
+            }
+            return;
+        }
         for (int i = 0; i < count; ++i) {
             const float here = q + q_by_x * float(i);
-            if (((a + a_x * i) | (b + b_x * i) | (c + c_x * i)) >= 0 && here > depth[i]) {
-                depth[i] = here;
-                colors[i] = color;
-            }
+            const bool is_seen = (((a + a_x * i) | (b + b_x * i) | (c + c_x * i)) >= 0) & (here > depth[i]);
+            depth[i] = is_seen ? here : depth[i];
+            colors[i] = is_seen ? color : colors[i];
         }
     }
 
@@ -225,10 +235,8 @@ class Afternoon final : public PlainZBuffer {
             float* __restrict depth = &depth_[at];
             const std::uint32_t* __restrict colors = &color_[at];
             if (a_side_ == 1) {
-                Rgba8* __restrict pixels = &image_.at(first, y);
-                for (std::size_t i = 0; i < count; ++i) {
-                    pixels[i] = std::bit_cast<Rgba8>(depth[i] > 0 ? colors[i] : 0);
-                }
+                for (std::size_t i = 0; i < count; ++i) even[i] = depth[i] > 0 ? colors[i] : 0;
+                std::memcpy(static_cast<void*>(&image_.at(first, y)), even, count * sizeof(Rgba8));
             } else {
                 if (row == 0) std::fill(even, even + 2 * count, 0u);
                 for (std::size_t i = 0; i < count; ++i) {
