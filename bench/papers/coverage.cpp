@@ -48,7 +48,6 @@ using OneBsp = SpatialHierarchy<PolygonBsp, Exact, TriangleCount>;
 struct StrictPoints : StrictCoverage {
     using samples = SinglePixels;
 };
-constexpr ZBufferOptions one_sample{}, samples_64{.samples = 64};
 
 std::vector<double> cells_a_pixel(const std::vector<View>& views, Drawer& masks) {
     std::vector<double> result;
@@ -126,7 +125,7 @@ template <class H>
 void add_drawers_in_order(Race& race, const H& hierarchy, const std::vector<VertexColoredTriangle>& triangles) {
     race.add("masks 64", drawer<StrictCoverageRenderer>(hierarchy, triangles, CoverageOptions{}));
     race.add("lazy 64", drawer<CoverageRenderer>(hierarchy, triangles, CoverageOptions{}));
-    race.add("hierarchical z 1", drawer<HierarchicalZRenderer>(hierarchy, triangles, one_sample));
+    race.add("hierarchical z 1", drawer<HierarchicalZRenderer>(hierarchy, triangles, ZBufferOptions{}));
 }
 
 void add_rows(const Race& race, const Marks& marks) {

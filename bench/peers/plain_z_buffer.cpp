@@ -55,7 +55,7 @@ class Afternoon final : public PlainZBuffer {
     void draw(std::span<const PlainTriangle> triangles) override {
         for (const PlainTriangle& t : triangles) {
             float x[3], y[3], q[3];
-            bool is_clipped = false;
+            int outside = 0;
             for (int i = 0; i < 3; ++i) {
                 const float dx = t.vertices[i][0] - eye_[0], dy = t.vertices[i][1] - eye_[1],
                             dz = t.vertices[i][2] - eye_[2];
@@ -63,9 +63,9 @@ class Afternoon final : public PlainZBuffer {
                 x[i] = (to_x_[0] * dx + to_x_[1] * dy + to_x_[2] * dz) * inverse;
                 y[i] = (to_y_[0] * dx + to_y_[1] * dy + to_y_[2] * dz) * inverse;
                 q[i] = inverse * world_;
-                is_clipped |= !(w >= near_) | (std::abs(x[i]) > guard_band) | (std::abs(y[i]) > guard_band);
+                outside |= int(!(w >= near_)) | int(std::abs(x[i]) > guard_band) | int(std::abs(y[i]) > guard_band);
             }
-            if (is_clipped) {
+            if (outside) {
                 draw_clipped(t);
             } else {
                 fill(x, y, q, std::bit_cast<std::uint32_t>(t.rgba));

@@ -79,7 +79,8 @@ TEST_CASE("the peer and the z-buffer draw one picture, but for the rounding of s
         const auto peer = plain_z_buffer_under_test(a_side);
         for (const View& view : {view_along_z({0, 0, 9}, 200), view_along_z({0.5, 0.25, 1}, 200)}) {
             const Image ours = drawn_by_library(triangles, view, a_side * a_side);
-            CHECK(pixels_apart(drawn_by_peer(*peer, triangles, view), ours) <= ours.pixels().size() / 500 * a_side);
+            CHECK(pixels_apart(drawn_by_peer(*peer, triangles, view), ours) <=
+                  ours.pixels().size() / 500 * std::size_t(a_side));
         }
     }
 }
