@@ -48,7 +48,6 @@ using OneBsp = SpatialHierarchy<PolygonBsp, Exact, TriangleCount>;
 struct StrictPoints : StrictCoverage {
     using samples = SinglePixels;
 };
-constexpr ZBufferOptions one_sample{}, samples_64{.samples = 64};
 
 std::vector<double> cells_a_pixel(const std::vector<View>& views, Drawer& masks) {
     std::vector<double> result;
@@ -110,13 +109,14 @@ Wanted at_most_if_any(double mark) {
 }
 
 /// Z-buffers and lazy masks over a plain octree.
-void add_drawers(Race& race, const Built<ExactHierarchy>& octree) {
+void add_drawers(const Run& run, Race& race, const Built<ExactHierarchy>& octree) {
     const auto& [hierarchy, primitives] = std::tie(octree.hierarchy, octree.primitives);
     for (const auto& [samples, text] : {std::pair{1, std::string(" 1")}, {64, std::string(" 64")}}) {
         race.add("peer" + text, drawer<PlainRenderer>(hierarchy, primitives, PlainOptions{samples}));
+        race.add("z-buffer" + text, drawer<ZBufferRenderer>(hierarchy, primitives, ZBufferOptions{.samples = samples}));
+        if (run.is_quick) continue;
         race.add("portable peer" + text, drawer<PlainRenderer>(hierarchy, primitives, PlainOptions{samples, false}));
         race.add("peer of all" + text, list_drawer<PlainRenderer>(primitives, PlainOptions{samples}));
-        race.add("z-buffer" + text, drawer<ZBufferRenderer>(hierarchy, primitives, ZBufferOptions{.samples = samples}));
     }
     race.add("lazy over octree 64", drawer<CoverageRenderer>(hierarchy, primitives, CoverageOptions{}));
 }
@@ -126,13 +126,14 @@ template <class H>
 void add_drawers_in_order(Race& race, const H& hierarchy, const std::vector<VertexColoredTriangle>& triangles) {
     race.add("masks 64", drawer<StrictCoverageRenderer>(hierarchy, triangles, CoverageOptions{}));
     race.add("lazy 64", drawer<CoverageRenderer>(hierarchy, triangles, CoverageOptions{}));
-    race.add("hierarchical z 1", drawer<HierarchicalZRenderer>(hierarchy, triangles, one_sample));
+    race.add("hierarchical z 1", drawer<HierarchicalZRenderer>(hierarchy, triangles, ZBufferOptions{}));
 }
 
-void add_rows(const Race& race, const Marks& marks) {
+void add_rows(const Run& run, const Race& race, const Marks& marks) {
     race.row("z-buffer 1", "peer 1", Wanted::at_most(marks.z_buffer));
     race.row("z-buffer 64", "peer 64", Wanted::at_most(marks.z_buffer));
     race.row("lazy over octree 64", "peer 64", at_least_if_any(marks.lazy));
+    if (run.is_quick) return;
     race.row("peer 1", "portable peer 1", Wanted::share());
     race.row("peer 64", "portable peer 64", Wanted::share());
     race.row("peer 1", "peer of all 1", Wanted::share());
@@ -160,10 +161,10 @@ void measure(const Run& run, const std::string& name, const std::vector<View>& v
              const std::vector<VertexColoredTriangle>& triangles, const H* in_order, const Marks& marks) {
     const Built<ExactHierarchy> octree(triangles);
     Race race(run, name);
-    add_drawers(race, octree);
+    add_drawers(run, race, octree);
     if (in_order) add_drawers_in_order(race, *in_order, triangles);
     race.draw(views);
-    add_rows(race, marks);
+    add_rows(run, race, marks);
     if (in_order) {
         add_rows_in_order(race, marks);
         Table::add_figure(name + ": cells visited a pixel", cells_a_pixel(views, race["masks 64"]));
@@ -197,7 +198,7 @@ void cube(const Run& run) {
 
         const Built<ExactHierarchy> octree(triangles);
         Race race(run, name);
-        add_drawers(race, octree);
+        add_drawers(run, race, octree);
         const Drawer& masks = race.add("masks 64", list_drawer<StrictCoverageRenderer>(sorted, CoverageOptions{}));
         race.add("lazy 64", list_drawer<CoverageRenderer>(sorted, CoverageOptions{}));
         race.add("scalar masks 64", list_drawer<StrictCoverageRenderer>(sorted, CoverageOptions{.simd = Simd::scalar}));
@@ -206,7 +207,7 @@ void cube(const Run& run) {
         race.add("painter 64", list_drawer<PainterRenderer>(reversed, PainterOptions{.samples = 64}));
         race.draw(views);
         const Marks marks{.strict = 110, .lazy = 90};
-        add_rows(race, marks);
+        add_rows(run, race, marks);
         race.row("masks 64", "peer 64", Wanted::at_least(marks.strict));
         race.row("scalar masks 64", "peer 64");
         race.row("lazy 64", "masks 64", Wanted::at_most(1.2));
@@ -230,6 +231,7 @@ void inside(const Run& run) {
     const auto triangles = in_flat_colors(scenes::expanded(scenes::building(plan.options)).groups.back().triangles);
     const auto hierarchy = built<OctreeOfBsps>("inside, octree of BSPs", triangles);
     measure(run, "inside", views, triangles, &hierarchy, {.strict = 1500, .lazy = 750, .hierarchical_z = 0.4});
+    if (run.is_quick) return;
     const auto masks = drawer<StrictCoverageRenderer>(hierarchy, triangles, CoverageOptions{});
     // Whoever has left out by hand all rooms that cannot be seen.
     SeenRooms rooms(triangles, plan);
@@ -243,7 +245,6 @@ void inside(const Run& run) {
     }
     Table::add("inside: masks 64, peer 64 of seen rooms", pairs);
     Table::add_figure("inside: triangles in seen rooms", kept);
-    if (run.is_quick) return;
     const auto one = built<OneBsp>("inside, one BSP", triangles);
     const auto masks_of_one = drawer<StrictCoverageRenderer>(one, triangles, CoverageOptions{});
     Table::add("inside: octree of BSPs, one BSP", run.pairs(views, *masks, *masks_of_one));

@@ -1,8 +1,9 @@
 // Table 2 of Chamberlain et al. 1996: the tree and the molecule from four distances, colour cubes against everything.
 //
-// Every iteration draws the same view exactly, with color cubes and (rarely, for it is slow) in a plain loop, so that
-// all sides of a ratio see the same machine. Medians; `speedup` is exact time / color-cube time, both with frustum
-// culling in the same renderer at one sample a pixel.
+// Every iteration draws the same view exactly, with color cubes and (rarely, for it is slow) in the peer's loop
+// over all triangles, so that all sides of a ratio see the same machine. Medians; `speedup` is exact time / color-cube
+// time, both with frustum culling in the same renderer at one sample a pixel. Rows "peer" compare the exact renderer
+// with the peer over the same hierarchy, in flat colors: shares of the peer's time at 1 and 64 samples.
 #include <benchmark/benchmark.h>
 
 #include <map>
@@ -10,7 +11,8 @@
 
 #include "farfield/measure/coverage_error.hpp"
 #include "farfield/measure/image_error.hpp"
-#include "support/plain_loop.hpp"
+#include "peers/plain_renderer.hpp"
+#include "support/drawer.hpp"
 #include "support/subject.hpp"
 
 namespace farfield::bench {
@@ -44,25 +46,22 @@ void table2(benchmark::State& state, const std::string& scene, double angle_degr
     FrameStats stats;
     exact.frame(view);
     cubes.frame(view);
-    std::vector<double> exact_seconds, cube_seconds, plain_seconds, ratios;
+    std::vector<double> exact_seconds, cube_seconds, peer_seconds, ratios;
     for (auto _ : state) {
         exact_seconds.push_back(seconds([&] { exact.frame(view); }));
         cube_seconds.push_back(seconds([&] { stats = cubes.frame(view); }));
         ratios.push_back(exact_seconds.back() / cube_seconds.back());
         state.SetIterationTime(cube_seconds.back());
     }
-    PlainLoop plain;
-    const Box& bounds = pair.exact.hierarchy.bounds();
-    const LocalView local(view, glm::dvec3(0), std::sqrt(glm::dot(bounds.size(), bounds.size())));
-    for (int i = 0; i < 3; ++i) {
-        plain_seconds.push_back(seconds([&] { plain.frame(pair.exact.primitives, local); }));
-    }
+    const auto peer = list_drawer<PlainRenderer>(pair.exact.primitives, PlainOptions{});
+    peer->frame(view);
+    for (int i = 0; i < 3; ++i) peer_seconds.push_back(seconds([&] { peer->frame(view); }));
     auto reference = make_viewer(pair.exact.hierarchy, pair.exact.primitives, reference_renderer);
     reference.frame(view);
     state.counters["exact_ms"] = median(exact_seconds) * 1e3;
     state.counters["cube_ms"] = median(cube_seconds) * 1e3;
     state.counters["speedup"] = median(ratios);
-    state.counters["plain_over_cube"] = median(plain_seconds) / median(cube_seconds);
+    state.counters["peer_over_cube"] = median(peer_seconds) / median(cube_seconds);
     state.counters["cubes"] = double(stats.approximations);
     state.counters["triangles"] = double(stats.primitives);
     state.counters["rmse_cube"] = rmse(cube_renderer.image(), reference_renderer.image());
@@ -83,6 +82,39 @@ FARFIELD_TABLE2(molecule, 25, 1.75);
 FARFIELD_TABLE2(molecule, 25, 3.5);
 FARFIELD_TABLE2(molecule, 25, 7);
 FARFIELD_TABLE2(molecule, 25, 14);
+
+/// The z-buffer's share of the peer's time.
+void peer(benchmark::State& state, const std::string& scene, double angle_degrees, double distance) {
+    static std::map<std::string, std::unique_ptr<Built<ExactHierarchy>>> scenes;
+    auto& flat = scenes[scene];
+    if (!flat) flat = std::make_unique<Built<ExactHierarchy>>(in_flat_colors(triangles_of(scene)));
+    const View view = table_view(flat->hierarchy.bounds(), distance, angle_degrees, 124);
+    for (auto _ : state) {
+        double seconds = 0;
+        for (const auto& [samples, name] : {std::pair{1, "share_1"}, {64, "share_64"}}) {
+            const auto ours = drawer<ZBufferRenderer>(flat->hierarchy, flat->primitives, ZBufferOptions{samples});
+            const auto other = drawer<PlainRenderer>(flat->hierarchy, flat->primitives, PlainOptions{samples});
+            const PairTimes times = in_turns(
+                Patience{}, [&] { ours->frame(view); }, [&] { other->frame(view); });
+            state.counters[name] = 1 / times.speedup;
+            seconds += 1e-3 * times.ms;
+        }
+        state.SetIterationTime(seconds);
+    }
+}
+#define FARFIELD_PEER(scene, angle, distance)                              \
+    BENCHMARK_CAPTURE(peer, scene / d = distance, #scene, angle, distance) \
+        ->UseManualTime()                                                  \
+        ->Iterations(1)                                                    \
+        ->Unit(benchmark::kMillisecond)
+FARFIELD_PEER(tree, 30, 1.75);
+FARFIELD_PEER(tree, 30, 3.5);
+FARFIELD_PEER(tree, 30, 7);
+FARFIELD_PEER(tree, 30, 14);
+FARFIELD_PEER(molecule, 25, 1.75);
+FARFIELD_PEER(molecule, 25, 3.5);
+FARFIELD_PEER(molecule, 25, 7);
+FARFIELD_PEER(molecule, 25, 14);
 
 /// Seconds for the whole hierarchy with color cubes on one core, and what it weighs.
 void build(benchmark::State& state, const std::string& scene) {

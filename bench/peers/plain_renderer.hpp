@@ -2,15 +2,18 @@
 // library's z-buffer gets, and list_drawer makes it a loop over all triangles.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "farfield/drawables.hpp"
+#include "farfield/geometry/polygon.hpp"
 #include "farfield/renderer.hpp"
-#include "peers/plain_z_buffer.hpp"
+#include "plain_z_buffer.hpp"
 
 namespace farfield::bench {
 
@@ -19,7 +22,28 @@ struct PlainOptions {
     bool is_native = true;
 };
 
-/// Polygons get the color of their first corner.
+/// Adds a polygon, in the color of its first corner.
+inline void add_plain_triangles(const Polygon& polygon, std::vector<PlainTriangle>& triangles) {
+    for_each_triangle(polygon.vertices.size(), [&](std::size_t a, std::size_t b, std::size_t c) {
+        PlainTriangle t{{}, polygon.colors[0]};
+        for (int axis = 0; axis < 3; ++axis) {
+            t.vertices[0][axis] = polygon.vertices[a][axis];
+            t.vertices[1][axis] = polygon.vertices[b][axis];
+            t.vertices[2][axis] = polygon.vertices[c][axis];
+        }
+        triangles.push_back(t);
+    });
+}
+
+template <class P>
+std::vector<PlainTriangle> plain_triangles(const std::vector<P>& primitives) {
+    std::vector<PlainTriangle> result;
+    for (const P& p : primitives) {
+        p.polygons([&](const Polygon& polygon) { add_plain_triangles(polygon, result); });
+    }
+    return result;
+}
+
 class PlainRenderer {
   public:
     static constexpr RendererFacts facts{.keeps_sources = true};
@@ -33,17 +57,7 @@ class PlainRenderer {
         Uploaded uploaded;
         for (std::uint32_t i = 0; i < source.item_count; ++i) {
             uploaded.first.push_back(std::uint32_t(uploaded.triangles.size()));
-            source.polygons(i, [&](const Polygon& polygon) {
-                const auto& v = polygon.vertices;
-                for (std::size_t c = 2; c < v.size(); ++c) {
-                    PlainTriangle t{{}, polygon.colors[0]};
-                    const glm::vec3 corners[3] = {v[0], v[c - 1], v[c]};
-                    for (int k = 0; k < 3; ++k) {
-                        for (int axis = 0; axis < 3; ++axis) t.vertices[k][axis] = corners[k][axis];
-                    }
-                    uploaded.triangles.push_back(t);
-                }
-            });
+            source.polygons(i, [&](const Polygon& polygon) { add_plain_triangles(polygon, uploaded.triangles); });
         }
         uploaded.first.push_back(std::uint32_t(uploaded.triangles.size()));
         sources_.emplace(++last_, std::move(uploaded));

@@ -4,7 +4,7 @@
 // span, narrow ones test their edges; loops over rows are left to the compiler's vectors; nothing is cleared for
 // itself: colors count only where depth was written, and depth is reset while the filter has it in the cache, within
 // the rectangle that was drawn to.
-#include "peers/plain_z_buffer.hpp"
+#include "plain_z_buffer.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -17,7 +17,7 @@
 namespace farfield::bench {
 namespace {
 
-constexpr int narrow = 24;                    ///< samples; up to it a row's edges are tested one by one
+constexpr int narrow = 32;                    ///< samples; up to it a row's edges are tested at each
 constexpr float guard_band = 16000.0f * 256;  ///< 1/256 samples from the center; polygons are clipped there
 
 struct Corner {
@@ -55,7 +55,7 @@ class Afternoon final : public PlainZBuffer {
     void draw(std::span<const PlainTriangle> triangles) override {
         for (const PlainTriangle& t : triangles) {
             float x[3], y[3], q[3];
-            bool is_clipped = false;
+            int outside = 0;
             for (int i = 0; i < 3; ++i) {
                 const float dx = t.vertices[i][0] - eye_[0], dy = t.vertices[i][1] - eye_[1],
                             dz = t.vertices[i][2] - eye_[2];
@@ -63,9 +63,9 @@ class Afternoon final : public PlainZBuffer {
                 x[i] = (to_x_[0] * dx + to_x_[1] * dy + to_x_[2] * dz) * inverse;
                 y[i] = (to_y_[0] * dx + to_y_[1] * dy + to_y_[2] * dz) * inverse;
                 q[i] = inverse * world_;
-                is_clipped |= !(w >= near_) | (std::abs(x[i]) > guard_band) | (std::abs(y[i]) > guard_band);
+                outside |= int(!(w >= near_)) | int(std::abs(x[i]) > guard_band) | int(std::abs(y[i]) > guard_band);
             }
-            if (is_clipped) {
+            if (outside) {
                 draw_clipped(t);
             } else {
                 fill(x, y, q, std::bit_cast<std::uint32_t>(t.rgba));
@@ -197,12 +197,21 @@ class Afternoon final : public PlainZBuffer {
 
     static void test_row(float* __restrict depth, std::uint32_t* __restrict colors, int count, int a, int b, int c,
                          int a_x, int b_x, int c_x, float q, float q_by_x, std::uint32_t color) {
+        if (count < 8) {  // too few for vectors
+            for (int i = 0; i < count; ++i, a += a_x, b += b_x, c += c_x) {
+                const float here = q + q_by_x * float(i);
+                if ((a | b | c) >= 0 && here > depth[i]) {
+                    depth[i] = here;
+                    colors[i] = color;
+                }
+            }
+            return;
+        }
         for (int i = 0; i < count; ++i) {
             const float here = q + q_by_x * float(i);
-            if (((a + a_x * i) | (b + b_x * i) | (c + c_x * i)) >= 0 && here > depth[i]) {
-                depth[i] = here;
-                colors[i] = color;
-            }
+            const bool is_seen = (((a + a_x * i) | (b + b_x * i) | (c + c_x * i)) >= 0) & (here > depth[i]);
+            depth[i] = is_seen ? here : depth[i];
+            colors[i] = is_seen ? color : colors[i];
         }
     }
 
@@ -218,30 +227,30 @@ class Afternoon final : public PlainZBuffer {
 
     /// Writes pixels [first, end) of a row, and resets depth.
     void filter_row(int y, int first, int end) {
-        const std::size_t stride = std::size_t(width_), begin = std::size_t(first * a_side_);
-        const std::size_t count = std::size_t((end - first) * a_side_);
-        std::uint32_t* const even = sums_.data();
-        std::uint32_t* const odd = even + count;
-        std::fill(even, even + 2 * count, 0u);
+        const std::size_t begin = std::size_t(first * a_side_), count = std::size_t((end - first) * a_side_);
+        std::uint32_t* __restrict even = sums_.data();
+        std::uint32_t* __restrict odd = even + count;
         for (int row = 0; row < a_side_; ++row) {
-            const std::size_t at = std::size_t(y * a_side_ + row) * stride + begin;
+            const std::size_t at = std::size_t(y * a_side_ + row) * std::size_t(width_) + begin;
             float* __restrict depth = &depth_[at];
             const std::uint32_t* __restrict colors = &color_[at];
-            for (std::size_t i = 0; i < count; ++i) {
-                const std::uint32_t c = depth[i] > 0 ? colors[i] : 0;
-                even[i] += c & 0x00ff00ffu;  // two channels a word: 64 times 255 stay below 2^16
-                odd[i] += c >> 8 & 0x00ff00ffu;
-                depth[i] = 0;
+            if (a_side_ == 1) {
+                for (std::size_t i = 0; i < count; ++i) even[i] = depth[i] > 0 ? colors[i] : 0;
+                std::memcpy(static_cast<void*>(&image_.at(first, y)), even, count * sizeof(Rgba8));
+            } else {
+                if (row == 0) std::fill(even, even + 2 * count, 0u);
+                for (std::size_t i = 0; i < count; ++i) {
+                    const std::uint32_t c = depth[i] > 0 ? colors[i] : 0;
+                    even[i] += c & 0x00ff00ffu;  // two channels a word: 64 times 255 stay below 2^16
+                    odd[i] += c >> 8 & 0x00ff00ffu;
+                }
             }
+            std::fill(depth, depth + count, 0.0f);
         }
-        const std::uint32_t shift = a_side_ == 1 ? 0 : 6, half = a_side_ == 1 ? 0 : 0x00200020u;
-        for (int x = first; x < end; ++x) {
-            std::uint32_t e = half, o = half;
-            for (int i = 0; i < a_side_; ++i) {
-                e += even[(x - first) * a_side_ + i];
-                o += odd[(x - first) * a_side_ + i];
-            }
-            image_.at(x, y) = std::bit_cast<Rgba8>((e >> shift & 0x00ff00ffu) | (o >> shift & 0x00ff00ffu) << 8);
+        for (int x = first; a_side_ == 8 && x < end; ++x) {
+            std::uint32_t e = 0x00200020u, o = 0x00200020u;  // rounds to nearest
+            for (int i = (x - first) * 8, last = i + 8; i < last; ++i) e += even[i], o += odd[i];
+            image_.at(x, y) = std::bit_cast<Rgba8>((e >> 6 & 0x00ff00ffu) | (o >> 6 & 0x00ff00ffu) << 8);
         }
     }
 

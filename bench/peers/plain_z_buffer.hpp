@@ -18,7 +18,7 @@ struct PlainTriangle {
 };
 
 /// Draws both sides of triangles over nothing. Samples lie on a regular grid, and one pixel is the mean of its square
-/// of them. Only perspective views from next to the scene are drawn (LocalView::anchor_depth 0).
+/// of them. Views must be perspective.
 class PlainZBuffer {
   public:
     virtual ~PlainZBuffer() = default;

@@ -6,6 +6,7 @@
 
 #include "errors.hpp"
 #include "interrupt.hpp"
+#include "peer_viewer.hpp"
 #include "pictures.hpp"
 #include "scenes/catalog.hpp"
 #include "timing.hpp"
@@ -65,6 +66,7 @@ class SceneRun {
 
     void measure(const std::vector<const AnyVariant*>& all) {
         measure_exact();
+        if (double(triangles_) <= peer_limit) measure_peer();
         const std::vector<const AnyVariant*> variants = variants_over(stored_, all);
         const auto most = std::max<std::size_t>(std::size_t(limit_bytes / (bytes_a_triangle * double(stored_ + 1))), 1);
         for (std::size_t first = 1; first < variants.size() && !was_interrupted(); first += most) {
@@ -116,8 +118,8 @@ class SceneRun {
                 if (samples == 64) place.reference = Reference(*finer, place.view, bounds_);
                 Contestant turns[] = {{exact_viewer_.get(), place.view}, {finer.get(), place.view}};
                 take_turns(std::span(turns), options_.repetitions, limit_seconds, was_interrupted);
-                if (!has_row_of_one) add(exact.name, *exact_, 1, place, turns[0], {});
-                add(exact.name, *exact_, samples, place, turns[1], {});
+                if (!has_row_of_one) add(exact.name, exact_.get(), 1, place, turns[0], {});
+                add(exact.name, exact_.get(), samples, place, turns[1], {});
                 schedule_.step();
             }
             has_row_of_one = true;
@@ -126,6 +128,23 @@ class SceneRun {
         report::write_png(place.reference.over_white(), options_.directory / picture_file(name_, reference_name));
         exact_viewer_->frame(place.view);
         write_pictures(exact.name, exact_viewer_->image());
+    }
+
+    /// All triangles by the peer at 1 and 64 samples a pixel, each of one color, which its errors show.
+    void measure_peer() {
+        for (const int a_side : {1, 8}) {
+            schedule_.begin(name_ + ": the peer at " + std::to_string(a_side * a_side) + " samples a pixel",
+                            double(places_.size()) * guess_reference_seconds(stored_), int(places_.size()));
+            PeerViewer peer(scene_, a_side);
+            for (const Place& place : places_) {
+                if (was_interrupted()) return;
+                Contestant turns[] = {{exact_viewer_.get(), place.view}, {&peer, place.view}};
+                take_turns(std::span(turns), options_.repetitions, limit_seconds, was_interrupted);
+                add("peer", nullptr, a_side * a_side, place, turns[1], {});
+                if (a_side == 1 && &place == &places_[pictured_]) write_pictures("peer", peer.image());
+                schedule_.step();
+            }
+        }
     }
 
     void measure_batch(const std::vector<const AnyVariant*>& batch) {
@@ -181,15 +200,15 @@ class SceneRun {
             const AnyVariant& variant = *who[i]->variant;
             const Row::Number tolerance_px =
                 variant.stands_in ? Row::Number(options_.tolerances_px[tolerance]) : std::nullopt;
-            add(variant.name, *who[i]->scene, who[i]->samples, place, turns[i], tolerance_px);
+            add(variant.name, who[i]->scene.get(), who[i]->samples, place, turns[i], tolerance_px);
             const bool is_pictured = &place == &places_[pictured_] && samples == options_.samples.front() &&
                                      (!variant.stands_in || tolerance == pictured_tolerance_);
             if (is_pictured) write_pictures(variant.name, turns[i].viewer->image());
         }
     }
 
-    /// `turn` holds the last frame's picture.
-    void add(const std::string& variant, const BuiltScene& built, int samples, const Place& place,
+    /// `turn` holds the last frame's picture; `built` is null where there is no hierarchy.
+    void add(const std::string& variant, const BuiltScene* built, int samples, const Place& place,
              const Contestant& turn, Row::Number tolerance_px) {
         if (turn.seconds.empty()) return;  // interrupted before its first
         Row row;
@@ -203,7 +222,11 @@ class SceneRun {
         row.variant = variant;
         row.samples = samples;
         row.tolerance_px = tolerance_px;
-        set_measured(row, turn, built.facts());
+        if (built) {
+            set_measured(row, turn, built->facts());
+        } else {
+            set_measured(row, turn);
+        }
         place.reference.compare(turn.viewer->image(), row);
         output_.add(std::move(row));
     }
@@ -246,7 +269,7 @@ double AccuracyRun::guess_seconds(const std::string& name) const {
     const auto places = double(options_.distances.size()), count = double(variants_.size());
     return count * guess_build_seconds(triangles) +
            places *
-               (3 * guess_reference_seconds(triangles) +
+               (5 * guess_reference_seconds(triangles) +
                 double(options_.tolerances_px.size()) * guess_round_seconds(triangles, variants_.size(), options_));
 }
 

@@ -102,9 +102,9 @@ expect_success("${CHART}" ${tiny} --out "${DIRECTORY}/tiny")
 expect_chart("${DIRECTORY}/tiny")
 file(STRINGS "${DIRECTORY}/tiny/chart.csv" lines)
 list(LENGTH lines count)
-# The header; exact at 1, 4, 16 and 64 samples; two tolerances; exact, cubes and plain loop over three trees.
-if(NOT count EQUAL 16)
-  message(SEND_ERROR "${count} lines in chart.csv, expected 16")
+# The header; exact at 1, 4, 16 and 64 samples; the peer at 1 and 64; two tolerances; exact, cubes and peer over three trees.
+if(NOT count EQUAL 18)
+  message(SEND_ERROR "${count} lines in chart.csv, expected 18")
 endif()
 foreach(picture IN ITEMS reference exact exact_difference color-cube color-cube_difference)
   if(NOT EXISTS "${DIRECTORY}/tiny/pictures/tree_${picture}.png")

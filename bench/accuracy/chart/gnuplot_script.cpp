@@ -12,7 +12,7 @@
 namespace farfield::bench {
 namespace {
 
-// Okabe and Ito 2008: told apart by everybody. Black is the reference, gray the plain loop.
+// Okabe and Ito 2008: told apart by everybody. Black is the reference, gray the peer.
 constexpr std::string_view palette[] = {"#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00"};
 constexpr std::string_view gray = "#888888";
 
@@ -41,14 +41,14 @@ std::string style_of(const std::string& label, double samples, const std::vector
     };
     for (const std::string& l : labels) {
         const auto [base, rest] = parts(l);
-        if (base != "plain") place(bases, base);
+        if (base != "peer") place(bases, base);
         place(rests, rest);
     }
     const auto [base, rest] = parts(label);
-    const std::size_t color = base == "plain" ? 0 : place(bases, base), line = place(rests, rest);
+    const std::size_t color = base == "peer" ? 0 : place(bases, base), line = place(rests, rest);
     constexpr int filled[] = {7, 5, 9, 11, 13}, open[] = {6, 4, 8, 10, 12};
     std::ostringstream style;
-    style << "lc rgb '" << (base == "plain" ? gray : palette[color % std::size(palette)]) << "' lw 1.5 dt " << line + 1
+    style << "lc rgb '" << (base == "peer" ? gray : palette[color % std::size(palette)]) << "' lw 1.5 dt " << line + 1
           << " pt " << (line == 0 ? filled : open)[color % std::size(filled)] << " ps "
           << number(0.5 + 0.15 * std::log2(std::max(samples, 1.0)));
     return style.str();

@@ -5,15 +5,14 @@
 
 #include "growing_scenes.hpp"
 #include "interrupt.hpp"
-#include "plain_viewer.hpp"
+#include "peer_viewer.hpp"
 #include "timing.hpp"
 
 namespace farfield::bench {
 namespace {
 
 constexpr double tolerance_px = 1;
-constexpr double limit_seconds = 2;        ///< of turns at one size from one place
-constexpr double plain_limit = 4'000'000;  ///< triangles
+constexpr double limit_seconds = 2;  ///< of turns at one size from one place
 
 const GrowingScene& find(const std::string& name) {
     const auto& all = growing_scenes();
@@ -27,7 +26,7 @@ double guess_size_seconds(const GrowingScene& series, std::uint32_t size, std::s
 }
 
 /// The largest that was timed from each view.
-struct PlainTime {
+struct PeerTime {
     double triangles = 0, milliseconds = 0;
 };
 
@@ -62,10 +61,10 @@ class SeriesRun {
             viewers.push_back(built.back()->viewer(renderer));
             schedule_.step();
         }
-        const bool times_plain = triangles <= plain_limit;
-        if (times_plain) viewers.push_back(std::make_unique<PlainViewer>(scene));
+        const bool times_peer = triangles <= peer_limit;
+        if (times_peer) viewers.push_back(std::make_unique<PeerViewer>(scene, 1));
         const std::vector<NamedView> views = series_.views(size, scene, options_.size_px);
-        plain_.resize(views.size());
+        peer_.resize(views.size());
         for (std::size_t v = 0; v < views.size() && !was_interrupted(); ++v) {
             std::vector<Contestant> turns;
             for (std::size_t i = 0; i < viewers.size(); ++i) {
@@ -79,10 +78,10 @@ class SeriesRun {
             if (turns.front().seconds.empty()) return;
             Row row = row_of(views[v], triangles);
             for (std::size_t i = 0; i < variants.size(); ++i) add(row, *variants[i], turns[i], *built[i]);
-            if (times_plain) {
-                add_plain(row, turns.back(), plain_[v]);
+            if (times_peer) {
+                add_peer(row, turns.back(), peer_[v]);
             } else {
-                add_extrapolated(row, turns.front(), plain_[v]);
+                add_extrapolated(row, turns.front(), peer_[v]);
             }
         }
     }
@@ -107,20 +106,16 @@ class SeriesRun {
         output_.add(std::move(row));
     }
 
-    void add_plain(Row row, const Contestant& turn, PlainTime& largest) {
-        set_measured(row, turn, {});
-        row.variant = "plain";
-        for (const auto field : {&Row::stand_ins, &Row::cells_visited, &Row::touched_bytes, &Row::hierarchy_bytes,
-                                 &Row::hierarchy_cells, &Row::build_seconds}) {
-            row.*field = std::nullopt;  // it has none
-        }
+    void add_peer(Row row, const Contestant& turn, PeerTime& largest) {
+        set_measured(row, turn);
+        row.variant = "peer";
         largest = {*row.triangles, *row.time_ms};
         output_.add(std::move(row));
     }
 
-    void add_extrapolated(Row row, const Contestant& exact, const PlainTime& largest) {
+    void add_extrapolated(Row row, const Contestant& exact, const PeerTime& largest) {
         if (largest.triangles == 0) return;
-        row.variant = "plain";
+        row.variant = "peer";
         row.time_ms = largest.milliseconds * *row.triangles / largest.triangles;
         row.speedup = 1e3 * quartiles(exact.seconds).median / *row.time_ms;
         row.note = "extrapolated from " + csv_number(largest.triangles) + " triangles";
@@ -132,7 +127,7 @@ class SeriesRun {
     const std::vector<const AnyVariant*>& variants_;
     Output& output_;
     Schedule& schedule_;
-    std::vector<PlainTime> plain_;  ///< one a view
+    std::vector<PeerTime> peer_;  ///< one a view
 };
 
 }  // namespace

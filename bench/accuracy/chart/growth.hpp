@@ -14,7 +14,7 @@ namespace farfield::bench {
 /// tree: one tree of ever finer leaves; chessboard: ever smaller squares; quadrupled-forest: ever more trees.
 std::vector<std::string> growth_names();
 
-/// Rows of `growth`, at a tolerance of 1 pixel, until all is measured or the run was interrupted. The plain loop is
+/// Rows of `growth`, at a tolerance of 1 pixel, until all is measured or the run was interrupted. The peer is
 /// timed up to a few million triangles; beyond, its rows are extrapolated from the largest that was, and say so.
 class GrowthRun {
   public:

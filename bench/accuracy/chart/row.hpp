@@ -11,7 +11,7 @@
 
 namespace farfield::bench {
 
-/// Fields that do not apply are none: a plain loop has no hierarchy, a frame that is only timed has no errors.
+/// Fields that do not apply are none: the peer has no hierarchy, a frame that is only timed has no errors.
 struct Row {
     using Number = std::optional<double>;
 
@@ -57,7 +57,7 @@ inline constexpr std::array columns{
     Column{"distance_radii", "eye to center of the bounds, in halves of their largest side", &Row::distance_radii},
     Column{"width_px", "of the picture", &Row::width_px},
     Column{"height_px", "of the picture", &Row::height_px},
-    Column{"variant", "approximation, partition, cost model, renderer; plain is a loop over all triangles",
+    Column{"variant", "approximation, partition, cost model, renderer; peer is the plain z-buffer over all triangles",
            &Row::variant},
     Column{"samples", "a pixel", &Row::samples},
     Column{"tolerance_px", "error that a stand-in may have; empty: no stand-ins", &Row::tolerance_px},

@@ -41,14 +41,19 @@ void take_turns(std::span<Contestant> contestants, int turns, double limit_secon
     }
 }
 
-/// What is known of a contestant after its last turn.
-inline void set_measured(Row& row, const Contestant& turn, const scenes::BuildFacts& built) {
+/// What is known of a contestant without a hierarchy after its last turn.
+inline void set_measured(Row& row, const Contestant& turn) {
     std::vector<double> milliseconds = turn.seconds;
     for (double& t : milliseconds) t *= 1e3;
     row.repetitions = double(milliseconds.size());
     row.set_times_ms(quartiles(std::move(milliseconds)));
     row.set_speedups(quartiles(turn.speedups));
     row.drawn_triangles = double(turn.stats.primitives);
+}
+
+/// What is known of one with a hierarchy.
+inline void set_measured(Row& row, const Contestant& turn, const scenes::BuildFacts& built) {
+    set_measured(row, turn);
     row.stand_ins = double(turn.stats.approximations);
     row.cells_visited = double(turn.stats.cells_visited);
     row.touched_bytes = double(turn.stats.touched_bytes);
