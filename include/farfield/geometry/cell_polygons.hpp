@@ -70,7 +70,7 @@ inline PlaneRelation relation_of(const ClippedItem& item, std::span<const Corner
             highest = glm::max(highest, height);
         }
     }
-    const bool behind = lowest < -tolerance, in_front = highest > tolerance;
+    const bool behind = lowest<-tolerance, in_front = highest> tolerance;
     if (!(behind || in_front) || (may_be_own && plane == plane_in(own, cell))) return PlaneRelation::on;
     return behind && in_front ? PlaneRelation::crossing : behind ? PlaneRelation::behind : PlaneRelation::in_front;
 }
@@ -94,9 +94,7 @@ class ClippedItems {
     }
     glm::vec3 normal(std::size_t i) const { return planes_[items_[i].polygon].normal; }
     /// The plane that a polygon lies in.
-    CuttingPlane plane_of(std::size_t i, const Cell& cell) const {
-        return plane_in(planes_[items_[i].polygon], cell);
-    }
+    CuttingPlane plane_of(std::size_t i, const Cell& cell) const { return plane_in(planes_[items_[i].polygon], cell); }
     /// See relation_of.
     PlaneRelation relation(std::size_t i, const CuttingPlane& plane, const LocalPlane& local_plane,
                            const Cell& cell) const {

@@ -41,14 +41,11 @@ class PlaneChoice {
     bool choose(CuttingPlane& chosen) {
         take_boxes();
         gather_faces();
-        if (count_ != 0) {
-            const Candidate& best = *cheapest();
-            if (best.is_good && divides(best.plane())) {
-                chosen = best.plane();
-                return true;
-            }
+        const Candidate& first = *cheapest();
+        if (first.is_good && divides(first.plane())) {
+            chosen = first.plane();
+            return true;
         }
-        take_corners();
         gather_planes();
         if (sampled_ <= most_told_by_pairs && cheapest()->is_cutting) gather_between_pairs();
         // The first one mostly divides, so there is no point in sorting.
@@ -67,12 +64,9 @@ class PlaneChoice {
   private:
     static constexpr std::size_t most_planes_of_polygons = 24, most_faces = 12, most_sampled = 96;
     static constexpr std::size_t most_between_instances = 8, most_corners = 8, most_told_by_pairs = 4;
-    static constexpr std::size_t lanes = 8;  ///< loops of this many become vectors
     static constexpr float infinity = std::numeric_limits<float>::infinity();
     static constexpr float most = std::numeric_limits<float>::max();
-    static constexpr std::size_t capacity =
-        most_planes_of_polygons + 3 * (most_faces + most_between_instances + 2) + 1;
-    static_assert(most_sampled % lanes == 0);
+    static constexpr std::size_t capacity = most_planes_of_polygons + 3 * (most_faces + most_between_instances + 2) + 1;
 
     struct Candidate {
         glm::vec3 normal;
@@ -120,7 +114,6 @@ class PlaneChoice {
     /// Bounds of a sample, about the cell's center in single precision: prices may be a little off.
     void take_boxes() {
         sampled_ = std::min(items_.size(), most_sampled);
-        rows_ = (sampled_ + lanes - 1) / lanes * lanes;
         log_of_scale_ = items_.size() > sampled_ ? std::log(float(items_.size()) / float(sampled_)) : 0.0f;
         log_of_half_ = std::log(0.5f * float(sampled_));
         for (std::size_t k = 0; k < sampled_; ++k) {
@@ -131,22 +124,19 @@ class PlaneChoice {
                 upper_[std::size_t(axis)][k] = to[axis];
             }
         }
-        // What fills the last vector lies on no side of any plane.
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            for (std::size_t k = sampled_; k < rows_; ++k) lower_[axis][k] = -most, upper_[axis][k] = most;
-        }
     }
     std::size_t sampled(std::size_t k) const { return k * items_.size() / sampled_; }
 
     void gather_faces() {
         tolerance_ = float(LocalPlane(CuttingPlane{}, cell_).tolerance());
-        for (int axis = 0; axis < 3; ++axis) {
+        for (int axis = 0; axis < 3 && !is_found_; ++axis) {
             positions_ = 0;
             // All faces of few boxes, of many boxes those of some.
             const std::size_t faces = std::min(2 * sampled_, most_faces);
-            for (std::size_t i = 0; i < faces; ++i) {
+            for (std::size_t i = 0; i < faces && !is_found_; ++i) {
                 const std::size_t k = i * sampled_ / faces;
-                add(axis, ((2 * sampled_ > most_faces ? i + i / 2 : i) % 2 == 0 ? lower_ : upper_)[std::size_t(axis)][k]);
+                add(axis,
+                    ((2 * sampled_ > most_faces ? i + i / 2 : i) % 2 == 0 ? lower_ : upper_)[std::size_t(axis)][k]);
             }
             if (items_.instances() != 0) gather_between_instances(axis);
         }
@@ -182,27 +172,27 @@ class PlaneChoice {
         CuttingPlane plane;
         plane.normal[axis] = 1;
         plane.offset = offset;
-        candidates_[count_++] = priced(plane, sides_of_boxes(std::size_t(axis), offset));
+        candidates_[count_] = priced(plane, sides_of_boxes(std::size_t(axis), offset));
+        // Next to halves, without a cut: it is taken.
+        is_found_ = candidates_[count_].is_good && candidates_[count_].price * float(sampled_) < 1.6f;
+        ++count_;
     }
 
     Counts sides_of_boxes(std::size_t axis, float offset) const {
         const float from = offset - tolerance_, to = offset + tolerance_;
-        std::array<int, lanes> behind{}, in_front{}, on{};
-        for (std::size_t k = 0; k < rows_; k += lanes) {
-            for (std::size_t i = 0; i < lanes; ++i) {
-                const int is_behind = upper_[axis][k + i] <= to, is_in_front = lower_[axis][k + i] >= from;
-                behind[i] += is_behind;
-                in_front[i] += is_in_front;
-                on[i] += is_behind & is_in_front;
-            }
+        return sides(upper_[axis], to, lower_[axis], from);
+    }
+
+    /// Of items that reach from `lowest` to `highest`; nothing else than this loop is done for every candidate.
+    Counts sides(const Row& highest, float to, const Row& lowest, float from) const {
+        int behind = 0, in_front = 0, on = 0;
+        for (std::size_t k = 0; k < sampled_; ++k) {
+            const int is_behind = highest[k] <= to, is_in_front = lowest[k] >= from;
+            behind += is_behind;
+            in_front += is_in_front;
+            on += is_behind & is_in_front;
         }
-        Counts counts;
-        for (std::size_t i = 0; i < lanes; ++i) {
-            counts.behind += behind[i] - on[i];
-            counts.in_front += in_front[i] - on[i];
-            counts.on += on[i];
-        }
-        return counts;
+        return {behind - on, on, in_front - on};
     }
 
     // --- other planes
@@ -215,10 +205,9 @@ class PlaneChoice {
             const std::size_t count = items_[i].corners == 0 ? most_corners : items_[i].corners;
             corners_ = std::max(corners_, std::min(count, most_corners));
         }
-        for (std::size_t k = 0; k < rows_; ++k) {
-            is_sampled_[k] = k < sampled_;
+        for (std::size_t k = 0; k < sampled_; ++k) {
             for (std::size_t c = 0; c < corners_; ++c) {
-                const glm::vec3 p = k < sampled_ ? corner(sampled(k), c) : glm::vec3(0);
+                const glm::vec3 p = corner(sampled(k), c);
                 x_[c][k] = p.x;
                 y_[c][k] = p.y;
                 z_[c][k] = p.z;
@@ -238,44 +227,43 @@ class PlaneChoice {
         const std::size_t polygons = items_.size() - items_.instances();
         const std::size_t planes = std::min(polygons, most_planes_of_polygons), first = count_;
         for (std::size_t i = 0; i < planes; ++i) {
-            const CuttingPlane plane = items_.plane_of(items_.instances() + i * polygons / planes, cell_);
+            const std::size_t item = items_.instances() + i * polygons / planes;
+            const Box& box = items_[item].bounds;
+            const int axis = box.lower.x == box.upper.x   ? 0
+                             : box.lower.y == box.upper.y ? 1
+                             : box.lower.z == box.upper.z ? 2
+                                                          : -1;
+            // A polygon as flat as its box is a face of that, which of few have all been tried.
+            if (axis >= 0 && 2 * items_.size() <= most_faces) continue;
+            CuttingPlane plane = items_.plane_of(item, cell_);
+            if (axis >= 0) {
+                plane = CuttingPlane{};
+                plane.normal[axis] = 1;
+                plane.offset = box.lower[axis] - cell_.center[axis];
+            }
             const auto is_same = [&](const Candidate& c) { return c.plane() == plane; };
             const auto end = candidates_.begin() + std::ptrdiff_t(count_);
             if (std::find_if(candidates_.begin() + std::ptrdiff_t(first), end, is_same) != end) continue;
-            candidates_[count_++] = priced(plane, sides_of_corners(plane));
+            candidates_[count_++] =
+                priced(plane, axis >= 0 ? sides_of_boxes(std::size_t(axis), plane.offset) : sides_of_corners(plane));
         }
     }
 
-    Counts sides_of_corners(const CuttingPlane& plane) const {
-        const glm::vec3 normal = plane.normal;
-        std::array<int, lanes> behind{}, in_front{}, on{};
-        for (std::size_t k = 0; k < rows_; k += lanes) {
-            std::array<float, lanes> lowest, highest;
-            lowest.fill(most);
-            highest.fill(-most);
-            for (std::size_t c = 0; c < corners_; ++c) {
-                for (std::size_t i = 0; i < lanes; ++i) {
-                    const float height =
-                        normal.x * x_[c][k + i] + normal.y * y_[c][k + i] + normal.z * z_[c][k + i] - plane.offset;
-                    lowest[i] = height < lowest[i] ? height : lowest[i];
-                    highest[i] = height > highest[i] ? height : highest[i];
-                }
-            }
-            for (std::size_t i = 0; i < lanes; ++i) {
-                const int is_behind = is_sampled_[k + i] & int(highest[i] <= tolerance_),
-                          is_in_front = is_sampled_[k + i] & int(lowest[i] >= -tolerance_);
-                behind[i] += is_behind;
-                in_front[i] += is_in_front;
-                on[i] += is_behind & is_in_front;
+    Counts sides_of_corners(const CuttingPlane& plane) {
+        const float nx = plane.normal.x, ny = plane.normal.y, nz = plane.normal.z, offset = plane.offset;
+        if (corners_ == 0) take_corners();
+        // Corner by corner through all items, which becomes vectors.
+        for (std::size_t k = 0; k < sampled_; ++k) {
+            lowest_[k] = highest_[k] = nx * x_[0][k] + ny * y_[0][k] + nz * z_[0][k] - offset;
+        }
+        for (std::size_t c = 1; c < corners_; ++c) {
+            for (std::size_t k = 0; k < sampled_; ++k) {
+                const float height = nx * x_[c][k] + ny * y_[c][k] + nz * z_[c][k] - offset;
+                lowest_[k] = height < lowest_[k] ? height : lowest_[k];
+                highest_[k] = height > highest_[k] ? height : highest_[k];
             }
         }
-        Counts counts;
-        for (std::size_t i = 0; i < lanes; ++i) {
-            counts.behind += behind[i] - on[i];
-            counts.in_front += in_front[i] - on[i];
-            counts.on += on[i];
-        }
-        return counts;
+        return sides(highest_, tolerance_, lowest_, -tolerance_);
     }
 
     /// The cheapest plane that passes between two polygons along an edge of each.
@@ -350,10 +338,11 @@ class PlaneChoice {
     std::size_t count_ = 0;
     std::array<float, most_faces + most_between_instances + 2> seen_;  ///< positions along this axis
     std::size_t positions_ = 0;
-    std::size_t sampled_ = 0, rows_ = 0, corners_ = 0;
+    bool is_found_ = false;
+    std::size_t sampled_ = 0, corners_ = 0;
     std::array<Row, 3> lower_, upper_;
     std::array<Row, most_corners> x_, y_, z_;
-    std::array<int, most_sampled> is_sampled_;
+    Row lowest_, highest_;  ///< of the last plane
 };
 
 inline bool choose_plane(const Cell& cell, const ClippedItems& items, float price_of_cut, CuttingPlane& plane) {
