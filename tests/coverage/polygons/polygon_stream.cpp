@@ -149,3 +149,81 @@ TEST_CASE("pieces come in the place of the primitives that they were cut from", 
     CHECK(corner(stream[1], 0) == vertices[4]);
     CHECK(stream[1].color == Rgba8{1, 2, 3, 255});
 }
+
+namespace {
+/// Triangle `which` of a quadrilateral that its first diagonal cuts, beginning anywhere.
+AnyPolygon half_of(const AnyPolygon& q, unsigned which, unsigned turn) {
+    const std::array<unsigned, 3> of = which == 0 ? std::array<unsigned, 3>{0, 1, 2} : std::array<unsigned, 3>{0, 2, 3};
+    AnyPolygon p;
+    for (unsigned c = 0; c < 3; ++c) {
+        p.vertices.push_back(q.vertices[of[(c + turn) % 3]]);
+        if (q.colors.size() == 4) p.colors.push_back(q.colors[of[(c + turn) % 3]]);
+    }
+    if (q.colors.size() != 4) p.colors = q.colors;
+    return p;
+}
+AnyPolygon quadrilateral(float bend, std::size_t colors) {
+    AnyPolygon q{{{0, 0, 1}, {2, 0, 1.5f}, {2, 1, 1.75f + bend}, {0, 1, 1.25f}}, {}};
+    for (std::size_t c = 0; c < colors; ++c)
+        q.colors.push_back({std::uint8_t(10 + 20 * (c == 1 || c == 2)), 5, 7, 255});
+    return q;
+}
+}  // namespace
+
+TEST_CASE("two triangles in a row that make a plane quadrilateral become one, and each is still found", "[raster]") {
+    for (const std::size_t colors : {1u, 4u}) {
+        for (unsigned turn = 0; turn < 9; ++turn) {
+            for (const unsigned first : {0u, 1u}) {
+                const AnyPolygon q = quadrilateral(0, colors);
+                const std::vector<AnyPolygon> polygons{half_of(q, first, turn % 3), half_of(q, 1 - first, turn / 3),
+                                                       half_of(q, 0, 0)};
+                const PolygonStream stream(source_of(polygons));
+                REQUIRE(stream.size() == 2);
+                CHECK(stream.first_record(0) == 0);
+                CHECK_FALSE(stream.begins_within(0));
+                CHECK(stream.first_record(1) == 0);
+                CHECK(stream.begins_within(1));
+                CHECK(stream.first_record(2) == 1);
+                CHECK_FALSE(stream.begins_within(2));
+                CHECK(stream.first_record(3) == 2);
+                // Each half has the corners that it had, in their order: its depths depend on that.
+                CHECK_FALSE(stream[0].is_triangle);
+                for (const unsigned half : {0u, 1u}) {
+                    for (unsigned c = 0; c < 3; ++c) {
+                        const unsigned at = stream[0].half(half)[c];
+                        CHECK(corner(stream[0], at) == polygons[half].vertices[c]);
+                        if (colors == 4) CHECK(stream.colors(stream[0])[at] == polygons[half].colors[c]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("triangles stay triangles that do not make a plane quadrilateral of one gradient", "[raster]") {
+    const auto size = [](const AnyPolygon& a, const AnyPolygon& b) {
+        return PolygonStream(source_of(std::vector<AnyPolygon>{a, b})).size();
+    };
+    const AnyPolygon q = quadrilateral(0, 1), bent = quadrilateral(0.01f, 1);
+    CHECK(size(half_of(q, 0, 0), half_of(q, 1, 0)) == 1);
+    CHECK(size(half_of(bent, 0, 0), half_of(bent, 1, 0)) == 2);
+    AnyPolygon other = half_of(q, 1, 0);
+    other.colors[0].r = 99;
+    CHECK(size(half_of(q, 0, 0), other) == 2);
+    other = half_of(q, 1, 0);
+    std::swap(other.vertices[1], other.vertices[2]);  // turned away
+    CHECK(size(half_of(q, 0, 0), other) == 2);
+    AnyPolygon glass = q;
+    glass.colors[0].a = 100;
+    CHECK(size(half_of(glass, 0, 0), half_of(glass, 1, 0)) == 2);
+    AnyPolygon dent = q;
+    dent.vertices[1] = {0.2f, 0.6f, 1.2f};  // not convex
+    CHECK(size(half_of(dent, 0, 0), half_of(dent, 1, 0)) == 2);
+    AnyPolygon many = quadrilateral(0, 4);
+    many.colors[3] = {200, 0, 0, 255};
+    CHECK(size(half_of(many, 0, 0), half_of(many, 1, 0)) == 2);
+    CHECK(size(half_of(q, 0, 0), half_of(q, 0, 0)) == 2);  // the same twice
+    // A third one finds no partner.
+    const PolygonStream three(source_of(std::vector<AnyPolygon>{half_of(q, 0, 0), half_of(q, 1, 0), half_of(q, 0, 0)}));
+    CHECK(three.size() == 2);
+}

@@ -210,7 +210,9 @@ class PolygonStream {
         for (const glm::vec3& c : corners) largest = glm::max(largest, largest_component(c));
         const float rounding = 0x1p-20f * std::ldexp(largest, exponent);
         if (std::abs(glm::dot(normal, one_length >= other_length ? w : u)) > rounding) return false;
-        return glm::dot(glm::cross(u, w), normal) > 0 && glm::dot(glm::cross(v - u, w - u), normal) > 0;
+        // It turns the same way at all four.
+        return glm::dot(one, normal) > 0 && glm::dot(other, normal) > 0 && glm::dot(glm::cross(u, w), normal) > 0 &&
+               glm::dot(glm::cross(w - v, u - v), normal) > 0;
     }
 
     /// Whether corner i + 2 has, up to one step, the color that corners 0, i and i + 1 give linearly.
