@@ -79,7 +79,9 @@ struct Canvas {
     auto rows() {
         return [this](int y) { return depth.data() + y * width; };
     }
-    void deposit(const Square& s) { far.deposit_square(rows(), s.left, s.top, s.right, s.bottom, s.q, s.loss, s.rgb); }
+    void deposit(const Square& s) {
+        far.deposit_square(rows(), s.left, s.top, s.right, s.bottom, s.q, s.loss, s.rgb);
+    }
     FarSamples::Sample at(int x, int y) const {
         const FarSamples::Sample* s = far.over(-infinity, x, y);
         return s ? *s : FarSamples::Sample{};
