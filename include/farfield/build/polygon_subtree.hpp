@@ -87,7 +87,6 @@ class PolygonSubtree {
         }
         items_ = {};
         corners_ = {};
-        lists_ = {};
     }
 
   private:
