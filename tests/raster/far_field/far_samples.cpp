@@ -77,8 +77,7 @@ struct Canvas {
         far.begin();
     }
     void deposit(const Square& s) {
-        const auto depths = [this](int y) { return depth.data() + y * width; };
-        far.deposit_square(depths, s.left, s.top, s.right, s.bottom, s.q, s.loss, s.rgb);
+        far.deposit_square(depth.data(), s.left, s.top, s.right, s.bottom, s.q, s.loss, s.rgb);
     }
     FarSamples::Sample at(int x, int y) const {
         const FarSamples::Sample* s = far.over(-infinity, x, y);
