@@ -42,8 +42,7 @@ class ZBufferRenderer {
                                          .deposits_primitives = true};
 
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
-    explicit ZBufferRenderer(const ZBufferOptions& options = {})
-        : canvas_(options, "ZBufferRenderer"), fill_(detail::block_fill(options.simd)) {}
+    explicit ZBufferRenderer(const ZBufferOptions& options = {}) : canvas_(options, "ZBufferRenderer") {}
 
     const Image& image() const { return canvas_.image(); }
     const std::optional<DirectionalLight>& light() const { return canvas_.options().light; }
@@ -64,7 +63,7 @@ class ZBufferRenderer {
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        canvas_.draw(source, ranges, detail::DepthTestedFill(canvas_.projection(), canvas_.buffers(), fill_));
+        canvas_.draw(source, ranges, detail::DepthTestedFill(canvas_.projection(), canvas_.buffers(), rows_));
     }
     void draw(std::span<const Face> faces) { canvas_.draw(faces); }
     void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
@@ -103,7 +102,7 @@ class ZBufferRenderer {
 
   private:
     detail::ZBufferCanvas canvas_;
-    detail::BlockFill fill_;
+    detail::SampleRows rows_{Simd::scalar};
 };
 
 }  // namespace farfield
