@@ -69,19 +69,22 @@ void table2(benchmark::State& state, const std::string& scene, double angle_degr
     state.counters["coverage_bias"] = coverage_error(cube_renderer.image(), reference_renderer.image()).bias;
 }
 
+/// The paper's views: scene, degrees off axis, distance in radii.
+#define FARFIELD_EACH_VIEW(row) \
+    row(tree, 30, 1.75);        \
+    row(tree, 30, 3.5);         \
+    row(tree, 30, 7);           \
+    row(tree, 30, 14);          \
+    row(molecule, 25, 1.75);    \
+    row(molecule, 25, 3.5);     \
+    row(molecule, 25, 7);       \
+    row(molecule, 25, 14);
 #define FARFIELD_TABLE2(scene, angle, distance)                              \
     BENCHMARK_CAPTURE(table2, scene / d = distance, #scene, angle, distance) \
         ->UseManualTime()                                                    \
         ->Iterations(31)                                                     \
         ->Unit(benchmark::kMillisecond)
-FARFIELD_TABLE2(tree, 30, 1.75);
-FARFIELD_TABLE2(tree, 30, 3.5);
-FARFIELD_TABLE2(tree, 30, 7);
-FARFIELD_TABLE2(tree, 30, 14);
-FARFIELD_TABLE2(molecule, 25, 1.75);
-FARFIELD_TABLE2(molecule, 25, 3.5);
-FARFIELD_TABLE2(molecule, 25, 7);
-FARFIELD_TABLE2(molecule, 25, 14);
+FARFIELD_EACH_VIEW(FARFIELD_TABLE2)
 
 /// The z-buffer's share of the peer's time.
 void peer(benchmark::State& state, const std::string& scene, double angle_degrees, double distance) {
@@ -107,14 +110,7 @@ void peer(benchmark::State& state, const std::string& scene, double angle_degree
         ->UseManualTime()                                                  \
         ->Iterations(1)                                                    \
         ->Unit(benchmark::kMillisecond)
-FARFIELD_PEER(tree, 30, 1.75);
-FARFIELD_PEER(tree, 30, 3.5);
-FARFIELD_PEER(tree, 30, 7);
-FARFIELD_PEER(tree, 30, 14);
-FARFIELD_PEER(molecule, 25, 1.75);
-FARFIELD_PEER(molecule, 25, 3.5);
-FARFIELD_PEER(molecule, 25, 7);
-FARFIELD_PEER(molecule, 25, 14);
+FARFIELD_EACH_VIEW(FARFIELD_PEER)
 
 /// Seconds for the whole hierarchy with color cubes on one core, and what it weighs.
 void build(benchmark::State& state, const std::string& scene) {

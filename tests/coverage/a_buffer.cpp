@@ -351,7 +351,9 @@ TEST_CASE("what a cell remembers: depths, fragments in lists, deep masks where t
         std::uint32_t list = ABuffer::none;
         buffer.reserve_fragments(500);
         for (std::uint32_t i = 1; i <= 500; ++i) buffer.add_fragment(list, {i, i % 100, ABuffer::none, 0, 0});
-        buffer.take(list, 1);  // every other one loses a bit, the first all
+        std::uint32_t left = 0;
+        buffer.take(list, 1, [&](const ABuffer::Fragment&) { ++left; });  // every other one loses a bit, the first all
+        CHECK(left == 499);
         std::uint32_t at = list;
         for (std::uint32_t i = 500; i > 1; --i, at = buffer.fragment(at).next) {
             REQUIRE(at != ABuffer::none);
@@ -372,6 +374,11 @@ TEST_CASE("what a cell remembers: depths, fragments in lists, deep masks where t
         buffer.add_fragment(buffer.cell(0).list, {0b010, 12, ABuffer::none, 0, 0});
         CHECK(buffer.surface_of_whole(0, 2) == 11);
         CHECK(buffer.surface_of_whole(0, 1) == 12);
+        buffer.cell(0).whole = 0b111;
+        CHECK(buffer.part_of_whole(0, 2) == 11);
+        CHECK(buffer.cell(0).whole == 0b011);
+        CHECK(buffer.part_of_whole(0, 1) == 12);
+        CHECK(buffer.surface_of_whole(0, 0) == 11);
 
         const std::size_t masks = std::min<std::size_t>(64 * pyramid.block_count(), 600);
         std::vector<DeepMask*> deep;

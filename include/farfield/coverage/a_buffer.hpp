@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "farfield/coverage/coverage_pyramid.hpp"
@@ -34,6 +35,8 @@ struct alignas(64) SubcellDepths {
     std::array<float, 64> q;
 };
 
+/// Nothing of a frame is read before it was written in it, so that begin() clears little. Fragments and deep masks that
+/// are no longer seen are used again.
 class ABuffer {
   public:
     static constexpr std::uint32_t none = 0xffffffffu;
@@ -49,9 +52,9 @@ class ABuffer {
     /// What lies in a cell of level 1 or above. A subcell is vacant, or *whole*: it shows one surface, and whatever is
     /// recorded below is out of date, or refined: the cell, or mask, below knows.
     struct Cell {
-        std::uint64_t whole = no_subcells;
-        std::uint64_t deep = no_subcells;  ///< of a block: masks that are z-buffered
-        std::uint32_t list = none;         ///< the fragments of its whole subcells
+        std::uint64_t whole = no_subcells;  ///< the bits of all fragments of the list
+        std::uint64_t deep = no_subcells;   ///< of a block: masks that are z-buffered
+        std::uint32_t list = none;          ///< the fragments of its whole subcells
     };
 
     /// The depth of a surface, as it is read most often, and how to see it: flat surfaces, which most are, have nothing
@@ -145,16 +148,18 @@ class ABuffer {
         fragments_[at].next = free_fragments_;
         free_fragments_ = at;
     }
-    /// Takes bits away from all fragments of a list.
-    void take(std::uint32_t& list, std::uint64_t bits) {
+    /// Takes bits away from all fragments of a list, and calls left(fragment) for those that keep some.
+    template <class Left>
+    void take(std::uint32_t& list, std::uint64_t bits, Left&& left) {
         for (std::uint32_t* link = &list; *link != none;) {
             Fragment& f = fragments_[*link];
             f.bits &= ~bits;
             if (f.bits == 0) {
                 unlink(*link);
-            } else {
-                link = &f.next;
+                continue;
             }
+            left(std::as_const(f));
+            link = &f.next;
         }
     }
     /// The surface that is seen in subcell k of a cell, which is whole.
@@ -162,6 +167,18 @@ class ABuffer {
         std::uint32_t at = cells_[cell].list;
         while ((fragments_[at].bits >> k & 1) == 0) at = fragments_[at].next;
         return fragments_[at].surface;
+    }
+    /// Makes subcell k, which is whole, so no longer. Returns the surface that was seen there.
+    std::uint32_t part_of_whole(std::size_t cell, unsigned k) {
+        const std::uint64_t bit = std::uint64_t(1) << k;
+        std::uint32_t* link = &cells_[cell].list;
+        while ((fragments_[*link].bits & bit) == 0) link = &fragments_[*link].next;
+        Fragment& f = fragments_[*link];
+        const std::uint32_t surface = f.surface;
+        f.bits &= ~bit;
+        if (f.bits == 0) unlink(*link);
+        cells_[cell].whole &= ~bit;
+        return surface;
     }
 
     // --- z-buffered masks

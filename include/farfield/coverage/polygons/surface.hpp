@@ -49,7 +49,7 @@ struct Surface {
     detail::DepthPlane depth;            ///< no sample is nearer than it
     detail::FoldedDepth fold{};          ///< a quadrilateral's
     std::array<Rgba8, 4> colors;         ///< at corners; all the same where it is flat
-    detail::SnappedTriangle triangle{};  ///< three corners where it is not flat, or folded, clockwise
+    detail::SnappedTriangle triangle{};  ///< three corners where it is not flat, clockwise
     detail::ColorGradient gradient{};    ///< where it is not flat, once need_gradient() was called
     std::uint32_t hash = 0;              ///< chooses samples of a fraction and of a translucent surface
     SurfaceKind kind = SurfaceKind::opaque;

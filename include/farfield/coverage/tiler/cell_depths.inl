@@ -26,8 +26,11 @@ struct Extremes {
     }
 };
 
-/// What the cells above a block tell of it.
-enum class Told { nothing, hidden, undecided };
+/// The cell above another one that was covered all at once, so that nothing below it is told.
+struct CoveredAbove {
+    int level = 0;  ///< 0: there is none
+    bool is_hidden = false;
+};
 
 /// Lazy mode, for something whose q is, at each sample, at most that of any of its planes: a polygon has one plane, a
 /// box its fronts.
@@ -73,10 +76,6 @@ class LazyCells {
         }
         return behind;
     }
-    /// The same for subcell k of a cell, which is (x, y) among all of its level, 8^level samples a side.
-    bool is_behind(std::size_t cell, unsigned k, int level, int x, int y) const {
-        return is_behind(level, x, y, target_.fragments.farthest(cell).q[k]);
-    }
     /// The subcells of a cell in which it lies behind one surface that covers the whole cell.
     std::uint64_t behind_surface(const DepthPlane& one, int level, int x, int y) const {
         Extremes extremes;
@@ -90,15 +89,16 @@ class LazyCells {
 
     // --- what covers cells at once
 
-    Told told_above(const CoveragePyramid& pyramid, int x, int y) const {
-        for (int up = pyramid.top_level(); up > 1; --up) {
-            const int px = x >> 3 * (up - 2), py = y >> 3 * (up - 2);
+    /// The topmost one above a cell, and whether something lies behind it there.
+    CoveredAbove covered_above(int level, int x, int y) const {
+        const CoveragePyramid& pyramid = target_.pyramid;
+        for (int up = pyramid.top_level(); up > level; --up) {
+            const int px = x >> 3 * (up - level - 1), py = y >> 3 * (up - level - 1);
             const std::size_t parent = pyramid.index(up, px >> 3, py >> 3);
             const auto k = unsigned((py & 7) * 8 + (px & 7));
-            if (!is_whole(parent, k)) continue;
-            return planes_->highest < target_.fragments.farthest(parent).q[k] ? Told::hidden : Told::undecided;
+            if (is_whole(parent, k)) return {up, is_behind(up, px, py, target_.fragments.farthest(parent).q[k])};
         }
-        return Told::nothing;
+        return {};
     }
     /// Those of a few masks of a block in which all corners lie behind what is seen.
     std::uint64_t corners_behind(std::uint64_t masks, std::size_t block) const {
@@ -125,6 +125,7 @@ class LazyCells {
     }
 
   private:
+    /// The same for a subcell of a cell, which is (x, y) among all of its level, 8^level samples a side.
     bool is_behind(int level, int x, int y, float farthest) const {
         const int step = 1 << 3 * level, first_x = x * step + target_.first_x, first_y = y * step + target_.first_y;
         for (const DepthPlane* d = planes_; d != planes_ + plane_count_; ++d) {
@@ -149,6 +150,7 @@ class LazyCells {
         if (thickness_ == 0) return;
         for (float& row : extremes.low_rows) row -= thickness_;
     }
+
     Target& target_;
     const DepthPlane* planes_;
     int plane_count_;
@@ -165,19 +167,18 @@ class StrictCells {
     std::uint64_t behind(std::uint64_t, std::size_t, int, int, int, Extremes&) const { return all_subcells; }
     std::uint64_t few_behind(std::uint64_t, std::size_t, int, int, Extremes&) const { return all_subcells; }
     std::uint64_t few_behind(std::uint64_t, std::size_t, int, int) const { return all_subcells; }
-    bool is_behind(std::size_t, unsigned, int, int, int) const { return true; }
     std::uint64_t behind_surface(const DepthPlane&, int, int, int) const { return all_subcells; }
-    Told told_above(const CoveragePyramid& pyramid, int x, int y) const {
-        for (int up = 2; up <= pyramid.top_level(); ++up, x >>= 3, y >>= 3) {
-            const TriageMask& parent = pyramid[pyramid.index(up, x >> 3, y >> 3)];
-            if ((parent.covered >> ((y & 7) * 8 + (x & 7)) & 1) != 0) return Told::hidden;
+    CoveredAbove covered_above(int level, int x, int y) const {
+        for (int up = level + 1; up <= target_.pyramid.top_level(); ++up, x >>= 3, y >>= 3) {
+            const TriageMask& parent = target_.pyramid[target_.pyramid.index(up, x >> 3, y >> 3)];
+            if ((parent.covered & bit_of(unsigned((y & 7) * 8 + (x & 7)))) != 0) return {up, true};
         }
-        return Told::nothing;
+        return {};
     }
     std::uint64_t corners_behind(std::uint64_t, std::size_t) const { return all_subcells; }
 
   private:
-    [[maybe_unused]] Target& target_;  // g++ warns where an object without members is passed on
+    const Target& target_;
 };
 
 template <class Target>

@@ -42,17 +42,8 @@ class StartCells {
     /// Returns the level to begin at, which may be another.
     int choose(int level, int x, int y) {
         const std::size_t cell = pyramid_.index(level, x, y);
-        // A parent that was covered all at once has not updated the cells below.
-        for (int up = pyramid_.top_level(); up > level; --up) {
-            const int px = x >> 3 * (up - level - 1), py = y >> 3 * (up - level - 1);
-            const std::size_t parent = pyramid_.index(up, px >> 3, py >> 3);
-            const auto k = unsigned((py & 7) * 8 + (px & 7));
-            if constexpr (Target::is_lazy) {
-                if (!depths_.is_whole(parent, k)) continue;
-                return depths_.is_behind(parent, k, up, px, py) ? level : up;
-            } else if ((pyramid_[parent].covered & bit_of(k)) != 0) {
-                return level;
-            }
+        if (const CoveredAbove above = depths_.covered_above(level, x, y); above.level != 0) {
+            return above.is_hidden ? level : above.level;
         }
         const std::uint64_t wanted = box_.subcells(level, x, y);
         std::uint64_t hidden = wanted & pyramid_[cell].covered;

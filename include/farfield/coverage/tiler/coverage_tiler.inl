@@ -9,7 +9,9 @@
 #include "farfield/coverage/tiler/cell_depths.inl"     // whether something lies behind all that is seen in a cell
 #include "farfield/coverage/tiler/coverage_query.inl"  // whether anything of a bounding box or a silhouette may be seen
 #include "farfield/coverage/tiler/mask_depths.inl"     // surfaces as the samples of a mask see them
-#include "farfield/coverage/tiler/lazy_masks.inl"      // what a polygon does to cells and masks
+#include "farfield/coverage/tiler/strict_masks.inl"    // what a polygon does to cells and masks front to back
+#include "farfield/coverage/tiler/deep_masks.inl"      // colors in masks, and masks' z-buffers
+#include "farfield/coverage/tiler/lazy_masks.inl"      // the same in any order
 // clang-format on
 
 template <class Target>
@@ -70,18 +72,11 @@ class Tiler : Masks<Target> {
         unsigned n = 0;
         for (int by = y0 >> 3; by <= y1 >> 3; ++by) {
             for (int bx = x0 >> 3; bx <= x1 >> 3; ++bx, ++n) {
-                seen_in[n] = box.subcells(1, bx, by);
-                switch (depths_.told_above(pyramid_, bx, by)) {
-                    case Told::hidden:
-                        seen_in[n] = 0;
-                        break;
-                    case Told::undecided:
-                        return Outcome::undecided;
-                    case Told::nothing: {
-                        const std::size_t block = pyramid_.index(1, bx, by);
-                        seen_in[n] &= ~(pyramid_[block].covered & depths_.corners_behind(seen_in[n], block));
-                    }
-                }
+                const CoveredAbove above = depths_.covered_above(1, bx, by);
+                if (above.level != 0 && !above.is_hidden) return Outcome::undecided;
+                const std::size_t block = pyramid_.index(1, bx, by);
+                seen_in[n] = above.is_hidden ? no_subcells : box.subcells(1, bx, by);
+                seen_in[n] &= ~(pyramid_[block].covered & depths_.corners_behind(seen_in[n], block));
                 is_seen = is_seen || seen_in[n] != 0;
             }
         }

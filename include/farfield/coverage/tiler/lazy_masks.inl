@@ -1,118 +1,10 @@
-// What a polygon does to cells and to masks of samples in either mode. In lazy mode (Greene 1996, section 6.1) they are
-// an A-buffer: a polygon takes the subcells and samples where it is nearer from the fragments that showed there, in
-// whichever order polygons come. Compiled once for each instruction set: see coverage_tiler.inl.
-
-/// The block of 8 x 8 masks that is being tiled.
-struct OpenBlock : MaskBlock {
-    TriageMask* cell = nullptr;
-    std::uint64_t* masks = nullptr;
-    bool drew = false;
-    Extremes extremes;  ///< of the polygon, in lazy mode
-
-    void open(CoveragePyramid& pyramid, const MaskBlock& at) {
-        static_cast<MaskBlock&>(*this) = at;
-        cell = &pyramid[index];
-        masks = pyramid.samples_of_block(index);
-        drew = false;
-    }
-    std::uint64_t samples_outside(const CoveragePyramid& pyramid, unsigned k) const {
-        return pyramid.samples_outside(8 * x + int(k % 8), 8 * y + int(k / 8));
-    }
-};
+// What a polygon does to cells and to masks of samples where polygons come in any order (Greene 1996, section 6.1):
+// they are an A-buffer, and a polygon takes the subcells and samples where it is nearer from the fragments that showed
+// there. Compiled once for each instruction set: see coverage_tiler.inl.
 
 /// Bounds of a polygon's q in a mask.
 struct DepthRange {
     float lowest, highest;
-};
-struct NoDepthRange {};
-
-/// Strict mode: front to back, masks tell all, and colors are final.
-template <class Target>
-class StrictMasks {
-  protected:
-    StrictMasks(Target& target, Surface& surface)
-        : target_(target),
-          pyramid_(target.pyramid),
-          surface_(surface),
-          depths_(target, &surface.depth, 1, surface.fold.thickness) {}
-
-    // --- cells
-
-    /// Those subcells of a cell, all inside the polygon, that it covers at once.
-    std::uint64_t taken(std::uint64_t inside, std::size_t cell, const Extremes&) const {
-        return inside & pyramid_[cell].vacant;
-    }
-    void cover(std::size_t cell, int level, int x, int y, std::uint64_t subcells, const Extremes&) {
-        pyramid_[cell].covered |= subcells;
-        pyramid_[cell].vacant &= ~subcells;
-        for (; subcells != 0; subcells &= subcells - 1) {
-            const auto k = unsigned(std::countr_zero(subcells));
-            cover_cell(level - 1, 8 * x + int(k % 8), 8 * y + int(k / 8));
-        }
-    }
-    /// Prepares subcell k for being tiled.
-    void refine(std::size_t, unsigned, int, int, int) {}
-    /// Records that something was drawn into subcell k, which is this cell.
-    void drew_in(std::size_t parent, unsigned k, std::size_t cell, const Extremes&) { tell(parent, k, cell); }
-    void drew_somewhere_in(std::size_t parent, unsigned k, std::size_t cell) { tell(parent, k, cell); }
-
-    // --- masks
-
-    void open_block(const MaskBlock& at) {
-        block_.open(pyramid_, at);
-        is_untouched_ = pyramid_.is_untouched(at.index);
-    }
-    /// Covers an untouched block, if all its masks are `whole`.
-    bool cover_block(std::uint64_t whole) {
-        if (!is_untouched_ || whole != block_.cell->vacant) return false;
-        cover_cell(1, block_.x, block_.y);
-        *block_.cell = {all_subcells, no_subcells};
-        return true;
-    }
-    void begin_masks() {
-        if (is_untouched_) target_.samples.open_block(block_);
-    }
-    void cover_masks(std::uint64_t whole) {
-        target_.samples.cover_masks(block_, whole, surface_);
-        block_.cell->covered |= whole;
-        block_.cell->vacant &= ~whole;
-        block_.drew = true;
-    }
-    /// What of depth a mask needs to know.
-    NoDepthRange depths_in(unsigned) const { return {}; }
-    NoDepthRange depths_of_all() const { return {}; }
-    /// "W = P & ~C; C' = C | P" (section 3).
-    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside, NoDepthRange) {
-        const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
-        const std::uint64_t covered = is_vacant ? block_.samples_outside(pyramid_, k) : block_.masks[k];
-        const std::uint64_t seen = inside & ~covered;
-        if (seen == 0) return;
-        block_.drew = true;
-        block_.masks[k] = covered | seen;
-        block_.cell->vacant &= ~bit_of(k);
-        if (block_.masks[k] == all_subcells) block_.cell->covered |= bit_of(k);
-        target_.samples.add(block_, k, seen, MaskKernel::count(seen), surface_, is_vacant);
-    }
-
-    Target& target_;
-    CoveragePyramid& pyramid_;
-    Surface& surface_;
-    CellDepths<Target> depths_;
-    OpenBlock block_;
-
-  private:
-    void tell(std::size_t parent, unsigned k, std::size_t cell) {
-        pyramid_[parent].vacant &= ~bit_of(k);
-        if (pyramid_.is_covered(cell)) pyramid_[parent].covered |= bit_of(k);
-    }
-    /// Covers all samples of a vacant cell.
-    void cover_cell(int level, int x, int y) {
-        target_.for_blocks(level, x, y, [&](const MaskBlock& block) {
-            target_.samples.cover_block(block, pyramid_.inside(block.index), surface_);
-        });
-    }
-
-    bool is_untouched_ = false;
 };
 
 /// Lazy mode, for polygons in any order. Colors are found when the picture is made.
@@ -144,7 +36,7 @@ class LazyMasks {
     void refine(std::size_t cell, unsigned k, int level, int x, int y) {
         if (!depths_.is_whole(cell, k)) return;
         fragments_.reserve_fragments(1);
-        const std::uint32_t surface = part_of_whole(cell, k);
+        const std::uint32_t surface = fragments_.part_of_whole(cell, k);
         const std::size_t child = pyramid_.index(level - 1, x, y);
         fragments_.open(child);
         const std::uint64_t inside = pyramid_.inside(child);
@@ -226,7 +118,12 @@ class LazyMasks {
         const std::uint32_t surface = surface_index();
         if (taken != 0) {
             farthest = std::numeric_limits<float>::infinity();
-            if (take(fragments_.list(at), taken, farthest) >= most_fragments) {
+            int left = 0;
+            fragments_.take(fragments_.list(at), taken, [&](const ABuffer::Fragment& f) {
+                farthest = std::min(farthest, f.lowest);
+                ++left;
+            });
+            if (left >= most_fragments) {
                 // Shows too many surfaces.
                 return tile_deep(k, inside, covered & ~taken, range);
             }
@@ -261,6 +158,7 @@ class LazyMasks {
     SeenSurface seen_surface(std::uint32_t index) const {
         return {fragments_.record(index).depth, fragments_.details(index), fragments_.color(index)};
     }
+
     // --- cells
 
     /// Nothing takes a cell with deposits at once: they attenuate what comes after them.
@@ -271,7 +169,7 @@ class LazyMasks {
     void cover(std::size_t at, std::uint64_t subcells, std::uint32_t surface, const DepthPlane& depth,
                const Extremes& extremes) {
         ABuffer::Cell& cell = fragments_.cell(at);
-        if ((cell.whole & subcells) != 0) fragments_.take(cell.list, subcells);
+        if ((cell.whole & subcells) != 0) fragments_.take(cell.list, subcells, [](const ABuffer::Fragment&) {});
         for (std::uint64_t left = cell.deep & subcells; left != 0; left &= left - 1) {
             fragments_.release_deep(64 * at + unsigned(std::countr_zero(left)));
         }
@@ -284,18 +182,6 @@ class LazyMasks {
                                                        depth.highest, fragments_.farthest(at).q.data());
         MaskKernel::update<MaskKernel::Update::assign>(subcells, extremes.high_rows, extremes.high_columns,
                                                        depth.lowest, depth.highest, fragments_.nearest(at).q.data());
-    }
-    /// Subcell k is no longer whole. Returns the surface that it showed.
-    std::uint32_t part_of_whole(std::size_t at, unsigned k) {
-        ABuffer::Cell& cell = fragments_.cell(at);
-        std::uint32_t* link = &cell.list;
-        while ((fragments_.fragment(*link).bits >> k & 1) == 0) link = &fragments_.fragment(*link).next;
-        ABuffer::Fragment& f = fragments_.fragment(*link);
-        const std::uint32_t surface = f.surface;
-        f.bits &= ~bit_of(k);
-        if (f.bits == 0) fragments_.unlink(*link);
-        cell.whole &= ~bit_of(k);
-        return surface;
     }
     /// Records that something between these depths was drawn into subcell k, which is this cell.
     void bound(std::size_t parent, unsigned k, std::size_t cell, float lowest, float highest) {
@@ -318,30 +204,13 @@ class LazyMasks {
     /// Turns mask k, which one surface covers at once, into a list.
     void open_mask(unsigned k) {
         const std::size_t at = 64 * block_.index + k;
-        const std::uint32_t surface = part_of_whole(block_.index, k);
+        const std::uint32_t surface = fragments_.part_of_whole(block_.index, k);
         fragments_.list(at) = ABuffer::none;
         fragments_.add_fragment(fragments_.list(at),
                                 {all_subcells, surface, ABuffer::none, fragments_.farthest(block_.index).q[k],
                                  fragments_.nearest(block_.index).q[k]});
         block_.masks[k] = all_subcells;
     }
-    /// Takes samples away from all fragments of a list; finds the least q of those that are left, and counts them.
-    int take(std::uint32_t& list, std::uint64_t samples, float& farthest) {
-        int count = 0;
-        for (std::uint32_t* link = &list; *link != ABuffer::none;) {
-            ABuffer::Fragment& f = fragments_.fragment(*link);
-            f.bits &= ~samples;
-            if (f.bits == 0) {
-                fragments_.unlink(*link);
-                continue;
-            }
-            farthest = std::min(farthest, f.lowest);
-            link = &f.next;
-            ++count;
-        }
-        return count;
-    }
-
     /// Those of some samples where the polygon wins over what a mask shows.
     [[gnu::noinline]] std::uint64_t nearer_in_list(std::uint32_t list, unsigned k, std::uint64_t samples, float lowest,
                                                    float highest) {
@@ -398,30 +267,18 @@ class LazyMasks {
     [[gnu::noinline]] std::uint64_t wins_ties(const SeenSurface& one, const SeenSurface& other, unsigned k,
                                               std::uint64_t samples) {
         if (!Target::samples_type::shades_samples || (one.is_flat() && other.is_flat()))
-            return std::bit_cast<std::uint32_t>(color_of(one, k)) > std::bit_cast<std::uint32_t>(color_of(other, k))
+            return std::bit_cast<std::uint32_t>(z_buffers_.color_of(one, k)) >
+                           std::bit_cast<std::uint32_t>(z_buffers_.color_of(other, k))
                        ? samples
                        : no_subcells;
         std::uint64_t wins = 0;
         for (; samples != 0; samples &= samples - 1) {
             const auto s = unsigned(std::countr_zero(samples));
-            if (std::bit_cast<std::uint32_t>(color_at(one, k, s)) > std::bit_cast<std::uint32_t>(color_at(other, k, s)))
+            if (std::bit_cast<std::uint32_t>(z_buffers_.color_at(one, k, s)) >
+                std::bit_cast<std::uint32_t>(z_buffers_.color_at(other, k, s)))
                 wins |= bit_of(s);
         }
         return wins;
-    }
-
-    // --- colors
-
-    /// The one color of a mask.
-    Rgba8 color_of(const SeenSurface& surface, unsigned k) const {
-        if (surface.is_flat()) return surface.color;
-        surface.details->need_gradient();
-        return surface.details->seen_color_of_pixel(block_.sample_x_of(k), block_.sample_y_of(k));
-    }
-    Rgba8 color_at(const SeenSurface& surface, unsigned k, unsigned sample) const {
-        if (surface.is_flat()) return surface.color;
-        return surface.details->seen_color_at(block_.sample_x_of(k) + int(sample % 8),
-                                              block_.sample_y_of(k) + int(sample / 8));
     }
 
     // --- z-buffers
@@ -431,13 +288,14 @@ class LazyMasks {
         const std::size_t at = 64 * block_.index + k;
         if ((fragments_.cell(block_.index).deep >> k & 1) == 0) make_deep(k, covered);
         DeepMask& deep = fragments_.deep(at);
-        const std::uint64_t seen = draw_deep(deep, k, inside, covered, own());
+        const std::uint64_t seen = z_buffers_.draw(deep, k, inside, covered, own());
         if (seen == 0) return;
         block_.drew = true;
         block_.masks[k] = covered | seen;
         block_.cell->vacant &= ~bit_of(k);
         if (block_.masks[k] == all_subcells) block_.cell->covered |= bit_of(k);
-        fragments_.farthest(block_.index).q[k] = least_of(deep, block_.masks[k] & ~block_.samples_outside(pyramid_, k));
+        fragments_.farthest(block_.index).q[k] =
+            DeepMasks<Target>::least_of(deep, block_.masks[k] & ~block_.samples_outside(pyramid_, k));
         float& nearest = fragments_.nearest(block_.index).q[k];
         nearest = std::max(nearest, range.highest);
     }
@@ -454,67 +312,9 @@ class LazyMasks {
         block_.masks[k] = covered;
         while (list != ABuffer::none) {
             const ABuffer::Fragment& f = fragments_.fragment(list);
-            draw_deep(deep, k, f.bits, no_subcells, seen_surface(f.surface));
+            z_buffers_.draw(deep, k, f.bits, no_subcells, seen_surface(f.surface));
             fragments_.unlink(list);
         }
-    }
-
-    /// Draws as ZBufferRenderer does: the nearer wins, of two at the same depth the larger color. Returns what it drew.
-    std::uint64_t draw_deep(DeepMask& deep, unsigned k, std::uint64_t inside, std::uint64_t covered,
-                            const SeenSurface& surface) const {
-        using EightFloats = MaskKernel::EightFloats;
-        using EightInts = MaskKernel::EightInts;
-        using EightWords = MaskKernel::EightWords;
-        const int x = block_.sample_x_of(k), y = block_.sample_y_of(k);
-        std::array<Rgba8, 8> colors;
-        constexpr bool shades_samples = Target::samples_type::shades_samples;
-        const bool has_deposits = (target_.samples.deposited(block_) >> k & 1) != 0;
-        const Rgba8 of_pixel = shades_samples ? surface.color : color_of(surface, k);
-        colors.fill(of_pixel);
-        const MaskDepths depths_of_mask(surface, x, y);
-        std::uint64_t drawn = 0;
-        for (int j = 0; j < 8; ++j) {
-            const auto wanted = unsigned(inside >> (8 * j) & 255);
-            if (wanted == 0) continue;
-            if (shades_samples && !surface.is_flat()) {
-                for (unsigned i = 0; i < 8; ++i) colors[i] = color_at(surface, k, unsigned(8 * j) + i);
-            }
-            if (has_deposits) {
-                colors.fill(of_pixel);
-                target_.samples.put_behind_deposits(block_, k, unsigned(8 * j), colors);
-            }
-            float* depths = deep.q.data() + 8 * j;
-            Rgba8* seen = deep.color.data() + 8 * j;
-            EightInts is_wanted, is_open;
-            MaskKernel::lanes_of(wanted, is_wanted);
-            MaskKernel::lanes_of(unsigned(~covered >> (8 * j) & 255), is_open);
-            EightFloats depth;
-            EightWords color, old;
-            __builtin_memcpy(&depth, depths, sizeof depth);
-            __builtin_memcpy(&color, colors.data(), sizeof color);
-            __builtin_memcpy(&old, seen, sizeof old);
-            EightFloats q;
-            depths_of_mask.set_row(x, y, j, q);
-            const EightInts takes = is_wanted & (is_open | (q > depth) | ((q == depth) & (color > old)));
-            depth = takes ? q : depth;
-            old = takes ? color : old;
-            __builtin_memcpy(depths, &depth, sizeof depth);
-            __builtin_memcpy(static_cast<void*>(seen), &old, sizeof old);
-            drawn |= std::uint64_t(MaskKernel::byte_of(takes)) << (8 * j);
-        }
-        return drawn;
-    }
-
-    static float least_of(const DeepMask& deep, std::uint64_t covered) {
-        MaskKernel::EightFloats least = MaskKernel::EightFloats{} + std::numeric_limits<float>::infinity();
-        for (unsigned j = 0; j < 8; ++j) {
-            MaskKernel::EightFloats q;
-            MaskKernel::EightInts counts;
-            __builtin_memcpy(&q, deep.q.data() + 8 * j, sizeof q);
-            MaskKernel::lanes_of(unsigned(covered >> (8 * j) & 255), counts);
-            least = (counts & (q < least)) ? q : least;
-        }
-        return MaskKernel::least_of(least);
     }
 
     // --- the far field
@@ -563,5 +363,6 @@ class LazyMasks {
         block_.cell->covered |= bit_of(k);
     }
 
+    DeepMasks<Target> z_buffers_{target_, block_};
     std::uint32_t index_ = ABuffer::none;
 };

@@ -78,19 +78,14 @@ class TileEdges {
 
     /// Call this before anything below, and tabulate() too unless the polygon spans few masks.
     void prepare(int grown_by) {
-        for (int c = 0; c < polygon_.corners; ++c) {
-            const auto from = std::size_t(c), to = std::size_t(c + 1 < polygon_.corners ? c + 1 : 0);
-            const std::int32_t dx = polygon_.x[to] - polygon_.x[from], dy = polygon_.y[to] - polygon_.y[from];
-            if (dx == 0 && dy == 0) continue;
+        for_edges([&](std::size_t from, std::int32_t dx, std::int32_t dy, int bias) {
             const auto n = std::size_t(count_++);
             a_[n] = -dy;
             b_[n] = dx;
-            // Samples on an edge belong to the polygon that has it at its top or left (raster/scan_conversion.hpp).
-            const int bias = dy < 0 || (dy == 0 && dx > 0) ? 0 : -1;
             e_[n] = std::int64_t(dx) * (256 * std::int64_t(target_.first_y) + 128 - polygon_.y[from]) -
                     std::int64_t(dy) * (256 * std::int64_t(target_.first_x) + 128 - polygon_.x[from]) + bias +
                     std::int64_t(grown_by) * (std::abs(dx) + std::abs(dy));
-        }
+        });
     }
     void tabulate() {
         for (int n = 0; n < count_; ++n) MaskKernel::tabulate(a_[std::size_t(n)], b_[std::size_t(n)], values_[n]);
@@ -208,16 +203,12 @@ class TileEdges {
         TinyEdges edges;
         const std::int32_t first_x = 256 * (8 * x + target_.first_x) + 128,
                            first_y = 256 * (8 * y + target_.first_y) + 128;
-        for (int c = 0; c < polygon_.corners; ++c) {
-            const auto from = std::size_t(c), to = std::size_t(c + 1 < polygon_.corners ? c + 1 : 0);
-            const std::int32_t dx = polygon_.x[to] - polygon_.x[from], dy = polygon_.y[to] - polygon_.y[from];
-            if (dx == 0 && dy == 0) continue;
+        for_edges([&](std::size_t from, std::int32_t dx, std::int32_t dy, int bias) {
             const auto n = std::size_t(edges.count++);
             edges.a[n] = -dy;
             edges.b[n] = dx;
-            const int bias = dy < 0 || (dy == 0 && dx > 0) ? 0 : -1;
             edges.e[n] = (dx * (first_y - polygon_.y[from]) - dy * (first_x - polygon_.x[from]) + bias) >> 8;
-        }
+        });
         return edges;
     }
     /// The samples of mask (x, y) from there on.
@@ -231,6 +222,17 @@ class TileEdges {
     }
 
   private:
+    /// Calls f(corner, dx, dy, bias) for the edges from each corner to the next.
+    template <class F>
+    FARFIELD_INLINE void for_edges(F&& f) const {
+        for (int c = 0; c < polygon_.corners; ++c) {
+            const auto from = std::size_t(c), to = std::size_t(c + 1 < polygon_.corners ? c + 1 : 0);
+            const std::int32_t dx = polygon_.x[to] - polygon_.x[from], dy = polygon_.y[to] - polygon_.y[from];
+            if (dx == 0 && dy == 0) continue;
+            // Samples on an edge belong to the polygon that has it at its top or left (raster/scan_conversion.hpp).
+            f(from, dx, dy, dy < 0 || (dy == 0 && dx > 0) ? 0 : -1);
+        }
+    }
     std::int32_t low(unsigned edge) const { return std::min(a_[edge], 0) + std::min(b_[edge], 0); }
     std::int32_t high(unsigned edge) const { return std::max(a_[edge], 0) + std::max(b_[edge], 0); }
 
