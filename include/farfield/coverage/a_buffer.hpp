@@ -70,18 +70,20 @@ class ABuffer {
         cells_.resize(pyramid.size());
         lists_.resize(64 * pyramid.block_count());
         const bool is_one_block = pyramid.size() == 1;
-        for (std::size_t cell = is_one_block ? 0 : pyramid.block_count(); cell < pyramid.size(); ++cell) open(cell);
+        for (std::size_t cell = is_one_block ? 0 : pyramid.block_count(); cell < pyramid.size(); ++cell) {
+            open(cell, pyramid.inside(cell));
+        }
         surface_count_ = details_count_ = fragment_count_ = deep_count_ = 0;
         free_fragments_ = free_deep_ = none;
     }
 
-    /// Resets a cell of level 1 or above, into which nothing has been drawn.
-    void open(std::size_t cell) {
-        farthest_[cell].q.fill(std::numeric_limits<float>::infinity());
-        nearest_[cell].q.fill(-std::numeric_limits<float>::infinity());
+    /// Resets a cell of level 1 or above, into which nothing has been drawn. `inside`: its subcells inside the image.
+    void open(std::size_t cell, std::uint64_t inside) {
         cells_[cell] = {};
+        if (inside != all_subcells) farthest_[cell].q.fill(std::numeric_limits<float>::infinity());
     }
-    /// Bounds of q over all that is seen in each subcell of a cell; infinity, and minus infinity, where nothing is.
+    /// Bounds of q over all that is seen in each subcell of a cell. Where it is vacant they are not valid, and where it
+    /// lies beyond the image the farthest is infinity.
     SubcellDepths& farthest(std::size_t cell) { return farthest_[cell]; }
     SubcellDepths& nearest(std::size_t cell) { return nearest_[cell]; }
 

@@ -38,8 +38,8 @@ class LazyMasks {
         fragments_.reserve_fragments(1);
         const std::uint32_t surface = fragments_.part_of_whole(cell, k);
         const std::size_t child = pyramid_.index(level - 1, x, y);
-        fragments_.open(child);
         const std::uint64_t inside = pyramid_.inside(child);
+        fragments_.open(child, inside);
         pyramid_[child] = {~inside, inside};
         const DepthPlane& depth = fragments_.record(surface).depth;
         Extremes extremes;
@@ -60,7 +60,7 @@ class LazyMasks {
 
     void open_block(const MaskBlock& at) {
         block_.open(pyramid_, at);
-        if (pyramid_.is_untouched(at.index)) fragments_.open(at.index);
+        if (pyramid_.is_untouched(at.index)) fragments_.open(at.index, pyramid_.inside(at.index));
     }
     bool cover_block(std::uint64_t) { return false; }
     void begin_masks() { fragments_.reserve_fragments(2 * 64 + 1); }
@@ -186,12 +186,13 @@ class LazyMasks {
     /// Records that something between these depths was drawn into subcell k, which is this cell.
     void bound(std::size_t parent, unsigned k, std::size_t cell, float lowest, float highest) {
         TriageMask& mask = pyramid_[parent];
-        mask.vacant &= ~bit_of(k);
         float& farthest = fragments_.farthest(parent).q[k];
         float& nearest = fragments_.nearest(parent).q[k];
-        nearest = std::max(nearest, highest);
+        const bool is_vacant = (mask.vacant & bit_of(k)) != 0;
+        mask.vacant &= ~bit_of(k);
+        nearest = is_vacant ? highest : std::max(nearest, highest);
         if (!pyramid_.is_covered(cell)) {
-            farthest = std::min(farthest, lowest);
+            farthest = is_vacant ? lowest : std::min(farthest, lowest);
             return;
         }
         // The farthest thing of it may have been hidden since: it knows the depth better.
@@ -345,6 +346,7 @@ class LazyMasks {
             block_.masks[k] = outside;
             block_.cell->vacant &= ~bit_of(k);
             fragments_.list(at) = ABuffer::none;
+            fragments_.farthest(block_.index).q[k] = std::numeric_limits<float>::infinity();
         }
         fragments_.nearest(block_.index).q[k] = std::numeric_limits<float>::infinity();
         const auto let_through = target_.samples.deposit(block_, k, inside, seen, surface_);
