@@ -195,21 +195,18 @@ class PolygonSetup {
                    bool is_front) {
         Surface& s = polygon_.surface;
         const std::int64_t area = larger.doubled_area(), other_area = other.doubled_area();
+        if (other_area == 0) return set_depth(larger, area);
         s.depth = DepthPlane(larger, area);
-        s.fold.thickness = 0;
-        if (other_area == 0) return;
         // Clockwise, the larger one goes around the diagonal this way.
         const unsigned from = is_first == is_front ? 0 : 2, to = 2 - from, fourth = is_first ? 3 : 1;
         s.fold = {0, {s.depth, DepthPlane(other, other_area)}, {k.x[from], k.y[from]}, {k.x[to], k.y[to]}};
         const auto [lowest, highest] = std::minmax({k.q[0], k.q[1], k.q[2], k.q[3]});
         const auto [low_x, high_x] = std::minmax({k.x[0], k.x[1], k.x[2], k.x[3]});
         const auto [low_y, high_y] = std::minmax({k.y[0], k.y[1], k.y[2], k.y[3]});
-        // What single precision may make of a plane's q anywhere in the box.
-        const float box = 2 * float(high_x - low_x) * float(high_y - low_y),
-                    most = std::max(std::abs(lowest), std::abs(highest));
-        const auto rounding = [&](const SnappedTriangle& t, std::int64_t doubled_area) {
-            const float slopes = std::abs(t.q[1] - t.q[0]) + std::abs(t.q[2] - t.q[0]);
-            return 0x1p-20f * (slopes * (box / float(doubled_area)) + most);
+        const std::int64_t box = std::int64_t(high_x - low_x) * (high_y - low_y);
+        const float most = std::max(std::abs(lowest), std::abs(highest));
+        const auto rounding = [&](const SnappedTriangle& half, std::int64_t doubled_area) {
+            return 0x1p-20f * (rounding_of_plane(half, box, doubled_area) + most);
         };
         const auto [other_lowest, other_highest] = std::minmax({other.q[0], other.q[1], other.q[2]});
         const float at_fourth = s.depth.at_corner + s.depth.by_x * (float(k.x[fourth] - larger.x[0]) * (1.0f / 256)) +
@@ -220,6 +217,28 @@ class PolygonSetup {
         s.depth.highest = highest;
         s.depth.at_corner += off;
         s.fold.thickness = 2 * off;
+    }
+
+    /// The same for one triangle. A sliver's slopes are differences of large numbers, and what rounding leaves of them
+    /// may lead beyond its corners, where q is clamped: then it has bounds too, and samples ask for the depth itself.
+    void set_depth(const SnappedTriangle& t, std::int64_t area) {
+        Surface& s = polygon_.surface;
+        s.depth = DepthPlane(t, area);
+        s.fold.thickness = 0;
+        const auto [low_x, high_x] = std::minmax({t.x[0], t.x[1], t.x[2]});
+        const auto [low_y, high_y] = std::minmax({t.y[0], t.y[1], t.y[2]});
+        const float off = rounding_of_plane(t, std::int64_t(high_x - low_x) * (high_y - low_y), area);
+        // Samples grant two planes that much: see nearer_than in lazy_masks.inl.
+        if (off <= 4 * s.depth.lowest) return;
+        s.fold = {0x1p-19f * off, {s.depth, s.depth}, {}, {}};
+        s.depth.at_corner += 0x1p-20f * off;
+    }
+
+    /// What single precision may make of the q of a triangle's plane anywhere in a box of that area, in units of 2^-20
+    /// and generously.
+    static float rounding_of_plane(const SnappedTriangle& t, std::int64_t box, std::int64_t doubled_area) {
+        const float slopes = std::abs(t.q[1] - t.q[0]) + std::abs(t.q[2] - t.q[0]);
+        return slopes * (2 * float(box) / float(doubled_area));
     }
 
     /// Whether those corners of a record of one color get the color that the surface has.
@@ -244,10 +263,7 @@ class PolygonSetup {
         if (is_culled(is_front)) return;
         if (is_front) t.flip();
         polygon_.set_triangle(t);
-        if constexpr (Tile::needs_depth) {
-            polygon_.surface.depth = DepthPlane(t, std::abs(area));
-            polygon_.surface.fold.thickness = 0;
-        }
+        if constexpr (Tile::needs_depth) set_depth(t, std::abs(area));
         shade(r, of, is_front, colors, t);
         tile_(polygon_);
     }
