@@ -77,7 +77,7 @@ class HierarchicalZRenderer {
 
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
     explicit HierarchicalZRenderer(const ZBufferOptions& options = {})
-        : canvas_(options, "HierarchicalZRenderer"), rows_(options.simd) {}
+        : canvas_(options, "HierarchicalZRenderer"), fill_(detail::block_fill(options.simd)) {}
 
     const Image& image() const { return canvas_.image(); }
     const std::optional<DirectionalLight>& light() const { return canvas_.options().light; }
@@ -94,16 +94,14 @@ class HierarchicalZRenderer {
     /// Throws std::invalid_argument for images of no samples or more than 16,000 on a side.
     void begin_frame(const LocalView& view) {
         canvas_.begin_frame(view);
-        const detail::SampleProjection& projection = canvas_.projection();
-        pyramid_.begin(canvas_.buffers().depth(), projection.end_x - projection.first_x,
-                       projection.end_y - projection.first_y);
+        pyramid_.begin(canvas_.buffers().blocks());
     }
     void set_view(const LocalView& view) { canvas_.set_view(view); }
     void end_frame() { canvas_.end_frame(); }
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        const detail::DepthTestedFill fill(canvas_.projection(), canvas_.buffers(), rows_);
+        const detail::DepthTestedFill fill(canvas_.projection(), canvas_.buffers(), fill_);
         canvas_.draw(source, ranges, detail::PyramidTestedFill(canvas_.projection(), pyramid_, fill));
     }
     void draw(std::span<const Face> faces) { canvas_.draw(faces); }
@@ -133,7 +131,7 @@ class HierarchicalZRenderer {
 
   private:
     detail::ZBufferCanvas canvas_;
-    detail::SampleRows rows_;
+    detail::BlockFill fill_;
     detail::DepthPyramid pyramid_;
 };
 

@@ -42,7 +42,8 @@ class ZBufferRenderer {
                                          .deposits_primitives = true};
 
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
-    explicit ZBufferRenderer(const ZBufferOptions& options = {}) : canvas_(options, "ZBufferRenderer") {}
+    explicit ZBufferRenderer(const ZBufferOptions& options = {})
+        : canvas_(options, "ZBufferRenderer"), fill_(detail::block_fill(options.simd)) {}
 
     const Image& image() const { return canvas_.image(); }
     const std::optional<DirectionalLight>& light() const { return canvas_.options().light; }
@@ -63,7 +64,7 @@ class ZBufferRenderer {
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        canvas_.draw(source, ranges, detail::DepthTestedFill(canvas_.projection(), canvas_.buffers(), rows_));
+        canvas_.draw(source, ranges, detail::DepthTestedFill(canvas_.projection(), canvas_.buffers(), fill_));
     }
     void draw(std::span<const Face> faces) { canvas_.draw(faces); }
     void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
@@ -102,7 +103,7 @@ class ZBufferRenderer {
 
   private:
     detail::ZBufferCanvas canvas_;
-    detail::SampleRows rows_{Simd::scalar};
+    detail::BlockFill fill_;
 };
 
 }  // namespace farfield

@@ -18,8 +18,8 @@
 
 namespace farfield::detail {
 
-/// Samples are addressed from the upper left one. Deposits come front to back over a z-buffer of geometry, `depth`, row
-/// by row, larger when nearer: a deposit behind it is dropped. A sample that lets nothing through any more, or whose
+/// Samples are addressed from the upper left one. Deposits come front to back over a z-buffer of geometry: depths(y)[x]
+/// is larger when nearer, and a deposit behind it is dropped. A sample that lets nothing through any more, or whose
 /// geometry lies in front of a deposit, is *closed*: nothing later in that order can change it.
 class FarSamples {
   public:
@@ -64,9 +64,9 @@ class FarSamples {
 
     /// Deposits into samples [begin, end) of row y, inside the picture, each covered whole; `rgb` in [0, 1], q(x)
     /// the depth.
-    template <class Depth>
-    void deposit_row(const float* depth, int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
-        const Row row = row_of(depth, y);
+    template <class Depths, class Depth>
+    void deposit_row(const Depths& depths, int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
+        const auto row = row_of(depths, y);
         const native_lanes::Deposit deposit(loss, rgb);
         const native_lanes::Square whole(0, 0, 1, 1, 1, 1);
         const auto columns = whole.columns(0);
@@ -80,11 +80,12 @@ class FarSamples {
     /// Deposits a square: each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are
     /// rounded to about 1/1000 of a sample, equal ones equally, so that adjoining squares cover nothing twice. The
     /// square is cut off at the picture's border.
-    void deposit_square(const float* depth, float left, float top, float right, float bottom, float q, Loss loss,
+    template <class Depths>
+    void deposit_square(const Depths& depths, float left, float top, float right, float bottom, float q, Loss loss,
                         glm::vec3 rgb) {
         const native_lanes::Square at(left, top, right, bottom, width_, height_);
         if (at.is_empty()) return;
-        if (!at.is_small()) return deposit_large(depth, at.x0, at.y0, left, top, right, bottom, q, loss, rgb);
+        if (!at.is_small()) return deposit_large(depths, at.x0, at.y0, left, top, right, bottom, q, loss, rgb);
         if (at.x0 < rect_.x0 || at.y0 < rect_.y0 || at.x1 >= rect_.x1 || at.y1 >= rect_.y1) {
             rect_.add(at.x0, at.y0, at.x1 + 1, at.y1 + 1);
         }
@@ -95,7 +96,7 @@ class FarSamples {
         }
         bool closed = false;
         for (int y = at.y0; y <= at.y1; ++y) {
-            const Row row = row_of(depth, y);
+            const auto row = row_of(depths, y);
             const auto rows = at.rows(y - at.y0);
             for (int x = at.x0; x <= at.x1; ++x) closed |= into(row, x, q, deposit, at.columns(x - at.x0), rows);
         }
@@ -104,11 +105,11 @@ class FarSamples {
 
     /// Deposits something no larger than a lane: all of it goes into the lane that holds its center. `rgb()` is called
     /// only if that changes anything.
-    template <class Color>
-    void deposit_in_lane(const float* depth, float x, float y, float area, float q, Loss loss, Color&& rgb) {
+    template <class Depths, class Color>
+    void deposit_in_lane(const Depths& depths, float x, float y, float area, float q, Loss loss, Color&& rgb) {
         if (!(x >= 0 && y >= 0 && x < float(width_) && y < float(height_))) return;
         const int i = int(x), j = int(y);
-        const Row row = row_of(depth, j);
+        const auto row = row_of(depths, j);
         if (!is_touched_by(row, i, q)) return;
         if (i < rect_.x0 || j < rect_.y0 || i >= rect_.x1 || j >= rect_.y1) rect_.add(i, j, i + 1, j + 1);
         const int column = int((x - float(i)) * float(lanes::side)), line = int((y - float(j)) * float(lanes::side));
@@ -161,31 +162,36 @@ class FarSamples {
         std::uint64_t open = ~std::uint64_t(0);
         std::uint64_t touched = 0;  ///< deposited into since the last clear()
     };
+    template <class DepthsOfRow>
     struct Row {
         std::size_t first;
-        const float* depth;
+        DepthsOfRow depth;
         Sample* samples;
         Bits* bits;
     };
-    Row row_of(const float* depth, int y) {
+    template <class Depths>
+    auto row_of(const Depths& depths, int y) {
         const std::size_t first = index(0, y);
-        return {first, depth + first, samples_.data() + first, bits_.data() + std::size_t(y) * words_};
+        return Row<decltype(depths(y))>{first, depths(y), samples_.data() + first,
+                                        bits_.data() + std::size_t(y) * words_};
     }
 
     /// Splits the square along borders of samples.
-    void deposit_large(const float* depth, int x0, int y0, float left, float top, float right, float bottom, float q,
+    template <class Depths>
+    void deposit_large(const Depths& depths, int x0, int y0, float left, float top, float right, float bottom, float q,
                        Loss loss, glm::vec3 rgb) {
         const auto x = float(x0 + lanes::most_samples / 2), y = float(y0 + lanes::most_samples / 2);
         if (x < right) {
-            deposit_square(depth, left, top, x, bottom, q, loss, rgb);
-            deposit_square(depth, x, top, right, bottom, q, loss, rgb);
+            deposit_square(depths, left, top, x, bottom, q, loss, rgb);
+            deposit_square(depths, x, top, right, bottom, q, loss, rgb);
         } else {
-            deposit_square(depth, left, top, right, y, q, loss, rgb);
-            deposit_square(depth, left, y, right, bottom, q, loss, rgb);
+            deposit_square(depths, left, top, right, y, q, loss, rgb);
+            deposit_square(depths, left, y, right, bottom, q, loss, rgb);
         }
     }
 
     /// Returns true if the deposit closed the sample.
+    template <class Row>
     bool into(const Row& row, int x, float q, const native_lanes::Deposit& deposit,
               const native_lanes::Columns& columns, const native_lanes::Rows& rows) {
         if (!is_touched_by(row, x, q)) return false;
@@ -195,6 +201,7 @@ class FarSamples {
     }
 
     /// Whether a deposit changes a sample, which is then marked as touched; closes it where geometry is nearer.
+    template <class Row>
     bool is_touched_by(const Row& row, int x, float q) {
         const std::uint64_t bit = std::uint64_t(1) << (x & 63);
         Bits& bits = row.bits[x >> 6];

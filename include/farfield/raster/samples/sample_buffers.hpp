@@ -21,6 +21,7 @@
 #include "farfield/raster/sample_rect.hpp"
 #include "farfield/raster/samples/box_mean.hpp"
 #include "farfield/raster/samples/depth_tiles.hpp"
+#include "farfield/raster/samples/sample_blocks.hpp"
 
 namespace farfield::detail {
 
@@ -38,18 +39,12 @@ class SampleBuffers {
         }
         first_x_ = projection.first_x;
         first_y_ = projection.first_y;
+        blocks_.place(first_x_, first_y_);
     }
 
     int samples_a_side() const { return side_; }
-    /// The z-buffer, row by row from the upper left sample; it keeps its place and size until the next begin().
-    const float* depth() const { return depth_.data(); }
-
-    /// z and color of row y, indexed with x. The caller reports what it writes by near_drawn().
-    float* depth_row(int y) { return depth_.data() + row(y) - first_x_; }
-    Rgba8* color_row(int y) { return color_.data() + row(y) - first_x_; }
-    void near_drawn(int x0, int y0, int x1, int y1) {
-        near_.add(x0 - first_x_, y0 - first_y_, x1 - first_x_, y1 - first_y_);
-    }
+    /// The z-buffer and its colors, from the upper left sample.
+    SampleBlocks& blocks() { return blocks_; }
 
     /// Call this before the first deposit of a frame.
     void begin_far() { far_.begin(); }
@@ -59,19 +54,18 @@ class SampleBuffers {
     template <class Depth>
     void deposit_row(int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
         far_.deposit_row(
-            depth_.data(), y - first_y_, begin - first_x_, end - first_x_, [&](int x) { return q(x + first_x_); }, loss,
-            rgb);
+            blocks_, y - first_y_, begin - first_x_, end - first_x_, [&](int x) { return q(x + first_x_); }, loss, rgb);
     }
     /// See FarSamples::deposit_square.
     void deposit_square(float left, float top, float right, float bottom, float q, Loss loss, glm::vec3 rgb) {
         const auto x0 = float(first_x_), y0 = float(first_y_);
-        far_.deposit_square(depth_.data(), left - x0, top - y0, right - x0, bottom - y0, q, loss, rgb);
+        far_.deposit_square(blocks_, left - x0, top - y0, right - x0, bottom - y0, q, loss, rgb);
     }
 
     /// See FarSamples::deposit_in_lane.
     template <class Color>
     void deposit_in_lane(float x, float y, float area, float q, Loss loss, Color&& rgb) {
-        far_.deposit_in_lane(depth_.data(), x - float(first_x_), y - float(first_y_), area, q, loss, rgb);
+        far_.deposit_in_lane(blocks_, x - float(first_x_), y - float(first_y_), area, q, loss, rgb);
     }
 
     /// Whether nothing as far as q or farther can change any sample of a rectangle (ends included), because each is
@@ -100,39 +94,38 @@ class SampleBuffers {
                 std::fill(&image.at(was.x0 / side_, y), &image.at((was.x1 - 1) / side_, y) + 1, background_);
             }
         }
-        SampleRect drawn = near_;
+        SampleRect drawn = blocks_.drawn();
         drawn.add(far_.rect());
         drawn_in_image_ = drawn;
-        if (side_ != 1) {
-            if (far_.has_begun()) {
-                for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel(x, y); });
-            } else {
-                const auto stride = std::size_t(width_);
-                for_pixels(drawn, [&](int x, int y) {
-                    image.at(x, y) = mean_of_samples(color_.data() + index(x * side_, y * side_), stride, side_);
-                });
+        if (side_ == 1) {
+            for (int y = drawn.y0; y < drawn.y1; ++y) blocks_.colors(y, drawn.x0, drawn.x1, &image.at(drawn.x0, y));
+            far_.for_touched([&](int x, int y) { image.at(x, y) = pixel(x, y); });
+        } else if (far_.has_begun()) {
+            for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel(x, y); });
+        } else if (side_ == SampleBlocks::side) {
+            for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel_of_block(x, y); });
+        } else if (!drawn.is_empty()) {
+            const int first = drawn.x0 / side_, last = (drawn.x1 - 1) / side_;
+            const auto stride = std::size_t((last - first + 1) * side_);
+            for (int y = drawn.y0 / side_; y <= (drawn.y1 - 1) / side_; ++y) {
+                for (int row = 0; row < side_; ++row) {
+                    blocks_.colors(y * side_ + row, first * side_, (last + 1) * side_,
+                                   rows_.data() + std::size_t(row) * stride);
+                }
+                for (int x = first; x <= last; ++x) {
+                    image.at(x, y) = mean_of_samples(rows_.data() + (x - first) * side_, stride, side_);
+                }
             }
-            return;
         }
-        for (int y = drawn.y0; y < drawn.y1; ++y) {
-            const Rgba8* from = color_.data() + index(0, y);
-            std::copy(from + drawn.x0, from + drawn.x1, &image.at(drawn.x0, y));
-        }
-        far_.for_touched([&](int x, int y) { image.at(x, y) = pixel(x, y); });
     }
 
   private:
-    static constexpr std::size_t padding = 8;  ///< rows are filled in vectors
-
     struct Kind {
         BufferSize size;
         int samples_a_side;
         Rgba8 background;
         friend bool operator==(const Kind&, const Kind&) = default;
     };
-
-    std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
-    std::size_t row(int y) const { return std::size_t(y - first_y_) * std::size_t(width_); }
 
     template <class F>
     void for_pixels(const SampleRect& r, F&& f) const {
@@ -146,10 +139,10 @@ class SampleBuffers {
     float farthest_open(int left, int top, int right, int bottom, float q) const {
         float least = std::numeric_limits<float>::infinity();
         for (int y = top; y < bottom; ++y) {
-            const float* depth = depth_.data() + index(0, y);
             for (int x = left; x < right; ++x) {
-                if (depth[x] < least && far_.is_open(x, y)) {
-                    least = depth[x];
+                const float depth = blocks_.depth(x, y);
+                if (depth < least && far_.is_open(x, y)) {
+                    least = depth;
                     if (!(least > q)) return least;
                 }
             }
@@ -157,14 +150,22 @@ class SampleBuffers {
         return least;
     }
 
+    /// For pixels of 64 samples.
+    Rgba8 pixel_of_block(int x, int y) const {
+        const std::size_t at = blocks_.index(x, y);
+        const SampleBlocks::Block& b = blocks_.block(at);
+        if (!blocks_.is_drawn(b)) return background_;
+        if (b.is_surface) return b.color;
+        return mean_of_samples(blocks_.samples(at).color, SampleBlocks::side, SampleBlocks::side);
+    }
+
     Rgba8 pixel(int px, int py) const {
         glm::vec4 sum(0);
         for (int y = py * side_; y < (py + 1) * side_; ++y) {
             for (int x = px * side_; x < (px + 1) * side_; ++x) {
-                const std::size_t at = index(x, y);
-                const Rgba8 c = color_[at];
+                const Rgba8 c = blocks_.color(x, y);
                 const glm::vec4 behind(float(c.r), float(c.g), float(c.b), float(c.a));
-                if (const FarSamples::Sample* s = far_.over(depth_[at], x, y)) {
+                if (const FarSamples::Sample* s = far_.over(blocks_.depth(x, y), x, y)) {
                     sum += glm::vec4(s->r, s->g, s->b, 1 - s->transmittance) * 255.0f + behind * s->transmittance;
                 } else {
                     sum += behind;
@@ -181,35 +182,28 @@ class SampleBuffers {
         height_ = height;
         side_ = samples_a_side;
         background_ = background;
-        const std::size_t count = std::size_t(width) * std::size_t(height);
-        depth_.assign(count + padding, -std::numeric_limits<float>::infinity());
-        color_.assign(count + padding, background);
+        blocks_.resize(width, height, background);
+        rows_.resize(std::size_t(width) * std::size_t(samples_a_side));
         far_.resize(width, height);
         tiles_.begin(width, height);
-        near_ = {};
         drawn_in_image_ = {0, 0, width, height};
     }
 
     void clear() {
-        for (int y = near_.y0; y < near_.y1; ++y) {
-            const auto from = std::ptrdiff_t(index(near_.x0, y)), to = std::ptrdiff_t(index(near_.x1, y));
-            std::fill(depth_.begin() + from, depth_.begin() + to, -std::numeric_limits<float>::infinity());
-            std::fill(color_.begin() + from, color_.begin() + to, background_);
-        }
+        blocks_.clear();
         if (far_.has_begun()) tiles_.begin(width_, height_);
         far_.clear();
-        near_ = {};
     }
 
     MadeFor<Kind> made_for_;
     int width_ = 0, height_ = 0, side_ = 1;
     int first_x_ = 0, first_y_ = 0;
     Rgba8 background_{0, 0, 0, 0};
-    std::vector<float> depth_;
-    std::vector<Rgba8> color_;  ///< opaque, or the background
+    SampleBlocks blocks_;      ///< opaque, or the background
+    std::vector<Rgba8> rows_;  ///< of one row of pixels
     FarSamples far_;
-    DepthTiles tiles_;                  ///< used only where there is a far field
-    SampleRect near_, drawn_in_image_;  ///< relative to the upper left sample
+    DepthTiles tiles_;           ///< used only where there is a far field
+    SampleRect drawn_in_image_;  ///< relative to the upper left sample
 };
 
 }  // namespace farfield::detail
