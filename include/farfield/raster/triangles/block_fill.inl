@@ -19,34 +19,58 @@ class TriangleInBlocks {
         y1_ = std::min((high(t_.y) - 128) >> 8, image_.end_y - 1) - top;
         if (x0_ > x1_ || y0_ > y1_) return;
         highest_ = std::max(std::max(t_.q[0], t_.q[1]), t_.q[2]);
-        if (x0_ == x1_ && y0_ == y1_) return fill_sample();
-        const int column0 = x0_ >> SampleBlocks::log2_side, row0 = y0_ >> SampleBlocks::log2_side;
+        const int column0 = x0_ >> SampleBlocks::log2_side, column1 = x1_ >> SampleBlocks::log2_side;
+        const int row0 = y0_ >> SampleBlocks::log2_side, row1 = y1_ >> SampleBlocks::log2_side;
+        if (column1 - column0 < 4 && row1 - row0 < 4 && is_hidden(column0, row0, column1, row1)) return;
+        if (x1_ - x0_ < few && y1_ - y0_ < few) return fill_few();
         set_edges(column0 * side, row0 * side);
         for (int e = 0; e < 3; ++e) {
+            largest_[e] = (side - 1) * (std::max(by_x_[e], 0) + std::max(by_y_[e], 0));
+            least_[e] = (side - 1) * (std::min(by_x_[e], 0) + std::min(by_y_[e], 0));
             for (int v = 0; v < vectors; ++v) across_[e][v] = numbered_from(v * FARFIELD_LANES) * by_x_[e];
         }
         is_small_ = x1_ - x0_ < 2 * side && y1_ - y0_ < 2 * side;
-        for (int row = row0; row <= y1_ >> SampleBlocks::log2_side; ++row) {
-            fill_blocks(row, column0, (x1_ >> SampleBlocks::log2_side) - column0 + 1);
+        for (int row = row0; row <= row1; ++row) {
+            fill_blocks(row, column0, column1 - column0 + 1);
             for (int e = 0; e < 3; ++e) value_[e] += std::int64_t(by_y_[e]) * side;
         }
     }
 
   private:
     static constexpr int side = SampleBlocks::side, vectors = side / FARFIELD_LANES;
+    static constexpr int few = 4;  ///< samples on a side
 
-    /// The commonest triangle far away.
-    void fill_sample() {
+    /// In a crowd most triangles are, and the blocks tell before anything is set up.
+    bool is_hidden(int column0, int row0, int column1, int row1) const {
+        for (int row = row0; row <= row1; ++row) {
+            for (int column = column0; column <= column1; ++column) {
+                if (!(highest_ < blocks_.farthest(blocks_.index(column, row)))) return false;
+            }
+        }
+        return true;
+    }
+
+    /// The commonest triangles far away hold one sample, if any: vectors would be set up for nothing.
+    void fill_few() {
         set_edges(x0_, y0_);
-        if ((value_[0] | value_[1] | value_[2]) < 0) return;
-        const int column = x0_ >> SampleBlocks::log2_side, row = y0_ >> SampleBlocks::log2_side;
+        for (int y = y0_; y <= y1_; ++y) {
+            std::int64_t a = value_[0], b = value_[1], c = value_[2];
+            for (int x = x0_; x <= x1_; ++x, a += by_x_[0], b += by_x_[1], c += by_x_[2]) {
+                if ((a | b | c) >= 0) fill_sample(x, y);
+            }
+            for (int e = 0; e < 3; ++e) value_[e] += by_y_[e];
+        }
+    }
+
+    void fill_sample(int x, int y) {
+        const int column = x >> SampleBlocks::log2_side, row = y >> SampleBlocks::log2_side;
         const std::size_t at = blocks_.index(column, row);
         if (highest_ < blocks_.farthest(at)) return;
         prepare();
-        const int x = x0_ + image_.first_x, y = y0_ + image_.first_y;
+        const int i = (y & (side - 1)) * side + (x & (side - 1));
+        x += image_.first_x, y += image_.first_y;
         const float q = plane_.at(plane_.row(y), x);
         SampleBlocks::Samples& samples = blocks_.opened(at, column, row);
-        const int i = (y0_ & (side - 1)) * side + (x0_ & (side - 1));
         if (q < samples.depth[i]) return;
         merge(samples.depth[i], samples.color[i], q, shade_.is_one_color ? color_ : shade_.at(shade_, x, y));
         blocks_.filled(at, q);
@@ -64,8 +88,6 @@ class TriangleInBlocks {
             value_[e] = edge.value >> 8;
             by_x_[e] = -dy;
             by_y_[e] = dx;
-            largest_[e] = (side - 1) * (std::max(by_x_[e], 0) + std::max(by_y_[e], 0));
-            least_[e] = (side - 1) * (std::min(by_x_[e], 0) + std::min(by_y_[e], 0));
         }
     }
 
@@ -200,7 +222,8 @@ class TriangleInBlocks {
                 const Floats q = along < lowest ? lowest : along > highest ? highest : along;
                 const Floats old_q = load<Floats>(depth);
                 Ints wins = ~(q < old_q) & (outside[j][v] >= 0);
-                if (!any(wins)) continue;
+                // Testing whether any wins in rows of one color costs more than writing what was there.
+                if (!is_one_color && !any(wins)) continue;
                 Words c = one;
                 if (!is_one_color && !colors_of_row(y + j, columns[v], wins, c)) {
                     merge_each(depth, color, q, columns[v], y + j, wins);
