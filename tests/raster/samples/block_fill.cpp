@@ -1,5 +1,5 @@
 // Triangles in blocks against the loop that one writes first: each covered sample, one after the other.
-#include "farfield/raster/triangles/block_fill.hpp"
+#include "farfield/raster/samples/block_fill.hpp"
 
 #include <bit>
 #include <cstdint>
