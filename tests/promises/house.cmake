@@ -78,8 +78,8 @@ tested_by(merged_viewer merged_viewer/body_walker)
 tested_by(raster/box_footprint raster/box_fronts)
 tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
           raster/far_field/transmittance_lanes_sse2)
-tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/triangles/triangle_painter
-          raster/triangles/triangle_runs raster/triangles/triangle_stream
+tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/triangles/colors_of_row
+          raster/triangles/triangle_painter raster/triangles/triangle_runs raster/triangles/triangle_stream
           raster/triangles/triangle_triage)
 tested_by(renderer/z_buffer_renderer raster/samples/depth_tested_fill raster/samples/far_deposits
           raster/samples/z_buffer_canvas)

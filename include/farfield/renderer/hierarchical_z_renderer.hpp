@@ -48,7 +48,10 @@ class PyramidTestedFill {
                   x1 = std::min((right - 128) >> 8, projection_.end_x - 1);
         const int y0 = std::max((top + 127) >> 8, projection_.first_y),
                   y1 = std::min((bottom - 128) >> 8, projection_.end_y - 1);
-        return x0 > x1 || y0 > y1 ||
+        if (x0 > x1 || y0 > y1) return true;
+        // Of small ones the fill itself asks the few blocks that they touch.
+        constexpr int few_blocks = 4 * SampleBlocks::side;
+        return (x1 - x0 >= few_blocks || y1 - y0 >= few_blocks) &&
                pyramid_.all_nearer(x0 - projection_.first_x, y0 - projection_.first_y, x1 - projection_.first_x,
                                    y1 - projection_.first_y, q);
     }

@@ -76,8 +76,11 @@ struct Canvas {
         far.resize(w, h);
         far.begin();
     }
+    auto depths() const {
+        return [this](int y) { return depth.data() + y * width; };
+    }
     void deposit(const Square& s) {
-        far.deposit_square(depth.data(), s.left, s.top, s.right, s.bottom, s.q, s.loss, s.rgb);
+        far.deposit_square(depths(), s.left, s.top, s.right, s.bottom, s.q, s.loss, s.rgb);
     }
     FarSamples::Sample at(int x, int y) const {
         const FarSamples::Sample* s = far.over(-infinity, x, y);
@@ -320,7 +323,7 @@ TEST_CASE("a row of whole samples is a square that covers them", "[raster]") {
             const Loss loss = loss_of_opacity(random.unit() * 0.4f, law);
             const glm::vec3 rgb(random.unit(), random.unit(), random.unit());
             row.far.deposit_row(
-                row.depth.data(), y, begin, end, [](int x) { return float(x); }, loss, rgb);
+                row.depths(), y, begin, end, [](int x) { return float(x); }, loss, rgb);
             for (int x = begin; x < end; ++x) {
                 squares.deposit({float(x), float(y), float(x + 1), float(y + 1), loss, rgb, float(x)});
             }
@@ -437,7 +440,7 @@ TEST_CASE("what is no larger than a lane goes into the one its center lies in, a
             const float x = random.between(-1, float(width) + 1), y = random.between(-1, float(height) + 1);
             const float area = random.unit() / lanes::count, alpha = random.unit();
             const Loss loss = loss_of_opacity(alpha, law);
-            canvas.far.deposit_in_lane(canvas.depth.data(), x, y, area, 1, loss, [&] {
+            canvas.far.deposit_in_lane(canvas.depths(), x, y, area, 1, loss, [&] {
                 ++asked;
                 return glm::vec3(0, 1, 0);
             });
@@ -462,7 +465,7 @@ TEST_CASE("what is no larger than a lane goes into the one its center lies in, a
     Canvas canvas(2, 2);
     std::fill(canvas.depth.begin(), canvas.depth.end(), 2.0f);
     for (const float x : {0.5f, -1.0f, 7.0f, std::numeric_limits<float>::quiet_NaN()}) {
-        canvas.far.deposit_in_lane(canvas.depth.data(), x, 0.5f, 0.05f, 1, {0, 1}, [] { return glm::vec3(1); });
+        canvas.far.deposit_in_lane(canvas.depths(), x, 0.5f, 0.05f, 1, {0, 1}, [] { return glm::vec3(1); });
     }
     CHECK(canvas.taken() == 0);
     CHECK_FALSE(canvas.far.is_open(0, 0));

@@ -14,6 +14,15 @@ using namespace farfield::test;
 
 namespace {
 
+/// Brings one sample nearer, through the block that it lies in.
+void set(SampleBlocks& blocks, int x, int y, float q) {
+    const int column = x / SampleBlocks::side, row = y / SampleBlocks::side;
+    const std::size_t at = blocks.index(column, row);
+    blocks.opened(at, column, row).depth[y % SampleBlocks::side * SampleBlocks::side + x % SampleBlocks::side] = q;
+    blocks.add_drawn(x, y, x + 1, y + 1);
+    blocks.filled(at, q);
+}
+
 bool each_nearer(const std::vector<float>& depth, int width, int x0, int y0, int x1, int y1, float q) {
     for (int y = y0; y <= y1; ++y) {
         for (int x = x0; x <= x1; ++x) {
@@ -30,10 +39,13 @@ TEST_CASE("depth pyramid: answers are those of every sample", "[raster]") {
     for (const auto& size : {std::pair{1, 1}, {8, 8}, {9, 17}, {64, 64}, {65, 3}, {200, 130}, {3, 530}}) {
         const int width = size.first, height = size.second;
         std::vector<float> depth(std::size_t(width * height));
+        SampleBlocks blocks;
+        blocks.resize(width, height, {});
         DepthPyramid pyramid;
         for (int frame = 0; frame < 3; ++frame) {
             std::fill(depth.begin(), depth.end(), -INFINITY);
-            pyramid.begin(depth.data(), width, height);
+            blocks.clear();
+            pyramid.begin(blocks);
             int yes = 0, wrong = 0;
             for (int i = 0; i < 1500; ++i) {
                 const auto rectangle = [&](int& a, int& b, int size_on_axis) {
@@ -51,6 +63,7 @@ TEST_CASE("depth pyramid: answers are those of every sample", "[raster]") {
                     for (int x = is_all ? 0 : x0; x <= (is_all ? width - 1 : x1); ++x) {
                         float& d = depth[std::size_t(y * width + x)];
                         d = std::max(d, at_least);
+                        set(blocks, x, y, d);
                     }
                 }
                 for (int k = 0; k < 10; ++k) {
@@ -71,24 +84,32 @@ TEST_CASE("depth pyramid: answers are those of every sample", "[raster]") {
 
 TEST_CASE("depth pyramid: one sample of many is enough to be seen", "[raster]") {
     const int width = 150, height = 140;
-    std::vector<float> depth(std::size_t(width * height), -INFINITY);
+    SampleBlocks blocks;
+    blocks.resize(width, height, {});
     DepthPyramid pyramid;
-    pyramid.begin(depth.data(), width, height);
-    std::fill(depth.begin(), depth.end(), 1.0f);
+    const auto fill = [&] {
+        blocks.clear();
+        pyramid.begin(blocks);
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) set(blocks, x, y, 1);
+        }
+    };
+    fill();
     CHECK(pyramid.all_nearer(0, 0, width - 1, height - 1, 0.5f));
     CHECK_FALSE(pyramid.all_nearer(0, 0, width - 1, height - 1, 1));  // as near is not nearer
     Random random(431);
     for (int i = 0; i < 200; ++i) {
-        std::fill(depth.begin(), depth.end(), -INFINITY);
-        pyramid.begin(depth.data(), width, height);
+        blocks.clear();
+        pyramid.begin(blocks);
         const int x = int(random.below(std::uint32_t(width))), y = int(random.below(std::uint32_t(height)));
-        std::fill(depth.begin(), depth.end(), 1.0f);
-        depth[std::size_t(y * width + x)] = 0.25f;
+        for (int v = 0; v < height; ++v) {
+            for (int u = 0; u < width; ++u) set(blocks, u, v, u == x && v == y ? 0.25f : 1.0f);
+        }
         CHECK_FALSE(pyramid.all_nearer(0, 0, width - 1, height - 1, 0.5f));
         CHECK(pyramid.all_nearer(0, 0, width - 1, height - 1, 0.2f));
         if (x > 0) CHECK(pyramid.all_nearer(0, 0, x - 1, height - 1, 0.5f));
         if (y + 1 < height) CHECK(pyramid.all_nearer(0, y + 1, width - 1, height - 1, 0.5f));
-        depth[std::size_t(y * width + x)] = 1;
+        set(blocks, x, y, 1);
         CHECK(pyramid.all_nearer(0, 0, width - 1, height - 1, 0.5f));
     }
 }

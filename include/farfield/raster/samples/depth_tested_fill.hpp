@@ -8,9 +8,9 @@
 
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/samples/block_fill.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
 #include "farfield/raster/scan_conversion.hpp"
-#include "farfield/raster/triangles/block_fill.hpp"
 
 namespace farfield::detail {
 

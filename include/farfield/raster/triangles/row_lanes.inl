@@ -18,9 +18,13 @@ inline bool any(Ints where) {
 }
 
 inline Ints numbered_from(int first) {
-    Ints x{};
-    for (int lane = 0; lane < FARFIELD_LANES; ++lane) x[lane] = first + lane;
-    return x;
+#if FARFIELD_LANES == 8
+    return Ints{0, 1, 2, 3, 4, 5, 6, 7} + first;
+#elif FARFIELD_LANES == 4
+    return Ints{0, 1, 2, 3} + first;
+#else
+    return Ints{} + first;
+#endif
 }
 
 template <class V, class T>

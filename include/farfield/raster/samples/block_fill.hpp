@@ -38,12 +38,12 @@ struct TriangleShade {
 
 #define FARFIELD_LANES 1
 namespace blocks_by_one {
-#include "farfield/raster/triangles/block_fill.inl"
+#include "farfield/raster/samples/block_fill.inl"
 }
 #undef FARFIELD_LANES
 #define FARFIELD_LANES 4
 namespace blocks_by_four {
-#include "farfield/raster/triangles/block_fill.inl"
+#include "farfield/raster/samples/block_fill.inl"
 }
 #undef FARFIELD_LANES
 
@@ -51,7 +51,7 @@ namespace blocks_by_four {
 FARFIELD_BEGIN_EIGHT_LANES
 #define FARFIELD_LANES 8
 namespace blocks_by_eight {
-#include "farfield/raster/triangles/block_fill.inl"
+#include "farfield/raster/samples/block_fill.inl"
 }
 #undef FARFIELD_LANES
 FARFIELD_END_LANES
