@@ -149,6 +149,7 @@ class RecordedSamples : public SinglePixels {
         if (state_[block.index] == filled) fail("a filled block was opened");
         state_[block.index] = open;
     }
+    template <class Stores = void>
     void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         check(block);
         for (unsigned k = 0; k < 64; ++k) {
@@ -162,6 +163,7 @@ class RecordedSamples : public SinglePixels {
         state_[block.index] = filled;
         for (unsigned k = 0; k < 64; ++k) come(block, k, all_subcells, surface);
     }
+    template <class Stores = void>
     void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         check_open(block);
         for (unsigned k = 0; k < 64; ++k) {
@@ -171,6 +173,7 @@ class RecordedSamples : public SinglePixels {
             come(block, k, all_subcells, surface);
         }
     }
+    template <class Stores = void>
     void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, const Surface& surface,
              bool is_first) {
         check_open(block);

@@ -82,8 +82,9 @@ class BoxFilter {
             std::uint64_t(sum.x) | std::uint64_t(sum.y) << 16 | std::uint64_t(sum.z) << 32 | std::uint64_t(sum.w) << 48;
     }
     /// Adds all samples of some pixels of an open block.
+    template <class Stores = detail::PortableStores>
     FARFIELD_INLINE void fill_pixels(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {
-        detail::store_selected(&sums_[block * 64], pixels, spread(premultiplied) << 6);
+        Stores::store_selected(&sums_[block * 64], pixels, spread(premultiplied) << 6);
     }
 
     /// Adds all samples of some pixels of a row of an open block that begins at `index`.

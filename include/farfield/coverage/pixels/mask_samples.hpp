@@ -47,11 +47,13 @@ class PixelSamples {
     FARFIELD_INLINE void open_block(const MaskBlock& block) {
         if constexpr (has_blocks) filter_.open_block(block.index);
     }
-    /// Adds all samples of a block that has none yet; `masks` are those inside the image.
+    /// Adds all samples of a block that has none yet; `masks` are those inside the image. `Stores`: how words are
+    /// stored, see PortableStores.
+    template <class Stores = detail::PortableStores>
     FARFIELD_INLINE void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         if (!surface.is_flat) {
             open_block(block);
-            cover_masks(block, masks, surface);
+            cover_masks<Stores>(block, masks, surface);
         } else if constexpr (has_blocks) {
             filter_.fill_block(block.index, surface.seen_color());
         } else {
@@ -59,10 +61,11 @@ class PixelSamples {
         }
     }
     /// Adds all samples of some masks.
+    template <class Stores = detail::PortableStores>
     FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         if (surface.is_flat) {
             if constexpr (has_blocks) {
-                filter_.fill_pixels(block.index, masks, surface.seen_color());
+                filter_.template fill_pixels<Stores>(block.index, masks, surface.seen_color());
             } else {
                 filter_.fill_pixels(8 * block.x, 8 * block.y, masks, surface.seen_color());
             }
@@ -77,14 +80,15 @@ class PixelSamples {
             }
             for (auto left = unsigned(masks & 255); left != 0; left &= left - 1) {
                 const auto i = unsigned(std::countr_zero(left));
-                add(block, row + i, all_subcells, 64, colors[i], true);
+                add_color(block, row + i, all_subcells, 64, colors[i], true);
             }
         }
     }
     /// Adds `count` samples of mask k; `is_first`: the mask has none yet in this frame.
+    template <class Stores = detail::PortableStores>
     FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count,
                              const Surface& surface, bool is_first) {
-        add(block, k, samples, count, color_of(block, k, surface), is_first);
+        add_color(block, k, samples, count, color_of(block, k, surface), is_first);
     }
     /// Adds all samples of mask k of an open block, as f(add) tells: add(samples, color).
     template <class F>
@@ -98,7 +102,7 @@ class PixelSamples {
         } else {
             bool is_first = true;
             f([&](std::uint64_t samples, Rgba8 color) {
-                add(block, k, samples, bit_count(samples), color, std::exchange(is_first, false));
+                add_color(block, k, samples, bit_count(samples), color, std::exchange(is_first, false));
             });
         }
     }
@@ -139,8 +143,8 @@ class PixelSamples {
   private:
     static constexpr bool has_blocks = requires(Filter f) { f.open_block(0); };
 
-    FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, Rgba8 color,
-                             bool is_first) {
+    FARFIELD_INLINE void add_color(const MaskBlock& block, unsigned k, std::uint64_t samples, int count, Rgba8 color,
+                                   bool is_first) {
         if constexpr (has_blocks) {
             filter_.add_at(64 * block.index + k, count, color, is_first);
         } else {
@@ -162,19 +166,22 @@ class SinglePixels {
     void begin(int width_px, int height_px) { pixels_.begin(width_px, height_px); }
 
     void open_block(const MaskBlock&) {}
+    template <class Stores = detail::PortableStores>
     FARFIELD_INLINE void cover_block(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
-        if (!surface.is_flat) return cover_masks(block, masks, surface);
+        if (!surface.is_flat) return cover_masks<Stores>(block, masks, surface);
         pixels_.fill(64 * block.x, 64 * block.y, 64, 64, surface.seen_color());
     }
+    template <class Stores = detail::PortableStores>
     FARFIELD_INLINE void cover_masks(const MaskBlock& block, std::uint64_t masks, const Surface& surface) {
         for (; masks != 0; masks &= masks - 1) {
-            add(block, unsigned(std::countr_zero(masks)), all_subcells, 64, surface, true);
+            add<Stores>(block, unsigned(std::countr_zero(masks)), all_subcells, 64, surface, true);
         }
     }
+    template <class Stores = detail::PortableStores>
     FARFIELD_INLINE void add(const MaskBlock& block, unsigned k, std::uint64_t samples, int, const Surface& surface,
                              bool) {
         const std::size_t at = place(block, k);
-        if (surface.is_flat) return pixels_.add(at, samples, surface.seen_color());
+        if (surface.is_flat) return pixels_.template add<Stores>(at, samples, surface.seen_color());
         for (; samples != 0; samples &= samples - 1) {
             const auto s = std::countr_zero(samples);
             pixels_.add(at, std::uint64_t(1) << s,

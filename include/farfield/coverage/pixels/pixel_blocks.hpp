@@ -117,16 +117,19 @@ inline constexpr auto select_of_four = [] {
     return table;
 }();
 
-/// Sets the words of a block whose bits are set to `value`. Loading and storing all four is faster than choosing.
-template <class Word>
-FARFIELD_INLINE void store_selected(Word* words, std::uint64_t bits, Word value) {
-    for (; bits != 0; bits >>= 4, words += 4) {
-        const auto& select = select_of_four<Word>[bits & 15];
-        Word four[4];
-        std::memcpy(four, words, sizeof four);
-        for (unsigned i = 0; i < 4; ++i) four[i] ^= (four[i] ^ value) & select[i];
-        std::memcpy(words, four, sizeof four);
+/// Writes to the words of a block; the tiler has the same for processors that can store selected words.
+struct PortableStores {
+    /// Sets the words whose bits are set to `value`. Loading and storing all four is faster than choosing.
+    template <class Word>
+    FARFIELD_INLINE static void store_selected(Word* words, std::uint64_t bits, Word value) {
+        for (; bits != 0; bits >>= 4, words += 4) {
+            const auto& select = select_of_four<Word>[bits & 15];
+            Word four[4];
+            std::memcpy(four, words, sizeof four);
+            for (unsigned i = 0; i < 4; ++i) four[i] ^= (four[i] ^ value) & select[i];
+            std::memcpy(words, four, sizeof four);
+        }
     }
-}
+};
 
 }  // namespace farfield::detail

@@ -31,9 +31,10 @@ class PointSamples {
     std::size_t block_of(int x, int y) const { return blocks_.block_of(x, y); }
 
     /// Adds some pixels of a block that has not been filled.
+    template <class Stores = detail::PortableStores>
     FARFIELD_INLINE void add(std::size_t block, std::uint64_t pixels, Rgba8 premultiplied) {
         blocks_.open(block);
-        detail::store_selected(&pixels_[block * 64], pixels, std::bit_cast<std::uint32_t>(premultiplied));
+        Stores::store_selected(&pixels_[block * 64], pixels, std::bit_cast<std::uint32_t>(premultiplied));
     }
     /// Adds all pixels of a block.
     void fill_block(std::size_t block, Rgba8 premultiplied) { blocks_.fill(block, premultiplied); }

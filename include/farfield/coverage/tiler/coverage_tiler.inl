@@ -91,22 +91,24 @@ class Tiler : Masks<Target> {
                 if (seen_in[n] == 0) continue;
                 target_.work.tiles(1, bx, by);
                 target_.work.tiles_masks(bx, by, seen_in[n], MaskKernel::count(seen_in[n]));
-                bool is_open = false;
+                std::uint64_t inside[64], touched = 0;
                 for (std::uint64_t left = seen_in[n]; left != 0; left &= left - 1) {
                     const auto k = unsigned(std::countr_zero(left));
-                    std::uint64_t inside =
-                        edges_.samples_inside(edges, 8 * bx + int(k % 8) - x0, 8 * by + int(k / 8) - y0);
-                    if (inside == 0) continue;
-                    if (!is_open) {
-                        Base::open_block(target_.block_at(bx, by));
-                        Base::begin_masks();
-                        is_open = true;
-                    }
-                    if (surface_.covers_some()) [[unlikely]]
-                        inside &= hashed_samples(k);
-                    Base::tile_mask(k, inside, Base::depths_of_all());
+                    inside[k] = edges_.samples_inside(edges, 8 * bx + int(k % 8) - x0, 8 * by + int(k / 8) - y0);
+                    touched |= std::uint64_t(inside[k] != 0) << k;
                 }
-                if (!is_open || !block_.drew) continue;
+                if (touched == 0) continue;
+                Base::open_block(target_.block_at(bx, by));
+                Base::begin_masks();
+                if (surface_.covers_some()) [[unlikely]] {
+                    for (std::uint64_t left = touched; left != 0; left &= left - 1) {
+                        const auto k = unsigned(std::countr_zero(left));
+                        inside[k] &= hashed_samples(k);
+                    }
+                }
+                Base::tile_masks(
+                    touched, [&](unsigned k) { return inside[k]; }, [&](unsigned) { return Base::depths_of_all(); });
+                if (!block_.drew) continue;
                 drew = true;
                 tell_parents(1, bx, by);
             }
@@ -186,11 +188,7 @@ class Tiler : Masks<Target> {
         Base::begin_masks();
         target_.work.tiles_masks(x, y, active, MaskKernel::count(active));
         const auto edges = edges_.few_masks_at(x, y);
-        for (std::uint64_t left = active; left != 0; left &= left - 1) {
-            const auto k = unsigned(std::countr_zero(left));
-            const std::uint64_t inside = edges_.samples_inside(edges, k);
-            if (inside != 0) tile_mask(k, inside);
-        }
+        tile(active, [&](unsigned k) { return edges_.samples_inside(edges, k); });
         return block_.drew;
     }
 
@@ -202,27 +200,23 @@ class Tiler : Masks<Target> {
             several |= crossed & t.crossed[std::size_t(n)];
             crossed |= t.crossed[std::size_t(n)];
         }
-        for (std::uint64_t left = active & ~crossed; left != 0; left &= left - 1) {
-            tile_mask(unsigned(std::countr_zero(left)), all_subcells);
-        }
+        tile(active & ~crossed, [](unsigned) { return all_subcells; });
         for (int n = 0; n < t.edges.count; ++n) {
-            const std::uint8_t edge = t.edges.edge[std::size_t(n)];
-            const std::int64_t e = t.edges.e[std::size_t(n)];
-            for (std::uint64_t left = active & t.crossed[std::size_t(n)] & ~several; left != 0; left &= left - 1) {
-                const auto k = unsigned(std::countr_zero(left));
-                tile_mask(k, edges_.samples_inside(edge, e, block_.x, block_.y, k));
-            }
+            const std::uint64_t masks = active & t.crossed[std::size_t(n)] & ~several;
+            if (masks != 0) tile(masks, edges_.samples_inside_one(t, n, block_.x, block_.y));
         }
-        for (std::uint64_t left = active & several; left != 0; left &= left - 1) {
-            const auto k = unsigned(std::countr_zero(left));
-            tile_mask(k, edges_.samples_inside(t, block_.x, block_.y, k));
-        }
+        tile(active & several, [&](unsigned k) { return edges_.samples_inside(t, block_.x, block_.y, k); });
     }
 
-    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside) {
-        if (surface_.covers_some()) [[unlikely]]
-            inside &= hashed_samples(k);
-        Base::tile_mask(k, inside, Base::depths_in(k));
+    /// Tiles some masks: inside_of(k) tells which samples of mask k lie inside the polygon.
+    template <class InsideOf>
+    FARFIELD_INLINE void tile(std::uint64_t masks, InsideOf&& inside_of) {
+        const auto depths_of = [&](unsigned k) { return Base::depths_in(k); };
+        if (surface_.covers_some()) [[unlikely]] {
+            return Base::tile_masks(
+                masks, [&](unsigned k) { return inside_of(k) & hashed_samples(k); }, depths_of);
+        }
+        Base::tile_masks(masks, inside_of, depths_of);
     }
 
     std::uint64_t hashed_samples(unsigned k) {

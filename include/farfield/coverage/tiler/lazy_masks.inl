@@ -77,6 +77,14 @@ class LazyMasks {
     }
     DepthRange depths_of_all() const { return {surface_.depth.lowest, surface_.depth.highest}; }
 
+    /// Tiles some masks: of mask k, inside_of(k) is the polygon's, and depths_of(k) the range of its depths there.
+    template <class InsideOf, class DepthsOf>
+    FARFIELD_INLINE void tile_masks(std::uint64_t masks, InsideOf&& inside_of, DepthsOf&& depths_of) {
+        for (; masks != 0; masks &= masks - 1) {
+            const auto k = unsigned(std::countr_zero(masks));
+            tile_mask(k, inside_of(k), depths_of(k));
+        }
+    }
     FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside, DepthRange range) {
         if (inside == 0) return;
         const std::size_t at = 64 * block_.index + k;

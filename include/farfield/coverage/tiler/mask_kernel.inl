@@ -40,6 +40,53 @@ struct MaskKernel {
 #endif
     }
 
+    /// Sets the words of 64 whose bits are set: see PortableStores.
+    static void store_selected(std::uint64_t* words, std::uint64_t bits, std::uint64_t value) {
+#if FARFIELD_LANES == 16
+        const __m512i v = _mm512_set1_epi64(std::int64_t(value));
+        for (unsigned j = 0; j < 8; ++j) _mm512_mask_storeu_epi64(words + 8 * j, __mmask8(bits >> 8 * j), v);
+#else
+        PortableStores::store_selected(words, bits, value);
+#endif
+    }
+    static void store_selected(std::uint32_t* words, std::uint64_t bits, std::uint32_t value) {
+#if FARFIELD_LANES == 16
+        const __m512i v = _mm512_set1_epi32(std::int32_t(value));
+        for (unsigned j = 0; j < 4; ++j) _mm512_mask_storeu_epi32(words + 16 * j, __mmask16(bits >> 16 * j), v);
+#else
+        PortableStores::store_selected(words, bits, value);
+#endif
+    }
+
+    /// Sixty-four numbers that are compared with many thresholds.
+    class Numbers {
+      public:
+        FARFIELD_INLINE explicit Numbers(const std::int32_t* v) {
+#if FARFIELD_LANES == 16
+            for (unsigned k = 0; k < 4; ++k) v_[k] = _mm512_load_si512(v + 16 * k);
+#else
+            v_ = v;
+#endif
+        }
+        /// Bit k: number k is above the threshold.
+        FARFIELD_INLINE std::uint64_t greater(std::int32_t threshold) const {
+#if FARFIELD_LANES == 16
+            const __m512i t = _mm512_set1_epi32(threshold);
+            return joined(_mm512_cmpgt_epi32_mask(v_[0], t), _mm512_cmpgt_epi32_mask(v_[1], t),
+                          _mm512_cmpgt_epi32_mask(v_[2], t), _mm512_cmpgt_epi32_mask(v_[3], t));
+#else
+            return MaskKernel::greater(v_, threshold);
+#endif
+        }
+
+      private:
+#if FARFIELD_LANES == 16
+        __m512i v_[4];
+#else
+        const std::int32_t* v_;
+#endif
+    };
+
     /// Bit k: v[k] > threshold.
     static std::uint64_t greater(const float* v, float threshold) {
 #if FARFIELD_LANES == 16

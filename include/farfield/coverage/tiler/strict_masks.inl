@@ -69,7 +69,7 @@ class StrictMasks {
         if (is_untouched_) target_.samples.open_block(block_);
     }
     void cover_masks(std::uint64_t whole) {
-        target_.samples.cover_masks(block_, whole, surface_);
+        target_.samples.template cover_masks<MaskKernel>(block_, whole, surface_);
         block_.cell->covered |= whole;
         block_.cell->vacant &= ~whole;
         block_.drew = true;
@@ -77,17 +77,32 @@ class StrictMasks {
     /// What of depth a mask needs to know.
     NoDepthRange depths_in(unsigned) const { return {}; }
     NoDepthRange depths_of_all() const { return {}; }
-    /// "W = P & ~C; C' = C | P" (section 3).
-    FARFIELD_INLINE void tile_mask(unsigned k, std::uint64_t inside, NoDepthRange) {
-        const bool is_vacant = (block_.cell->vacant >> k & 1) != 0;
-        const std::uint64_t covered = is_vacant ? block_.samples_outside(pyramid_, k) : block_.masks[k];
-        const std::uint64_t seen = inside & ~covered;
-        if (seen == 0) return;
+    /// "W = P & ~C; C' = C | P" (section 3), for some masks: of mask k, inside_of(k) is P. Each is tiled only once.
+    template <class InsideOf, class Depths>
+    FARFIELD_INLINE void tile_masks(std::uint64_t masks, InsideOf&& inside_of, Depths&&) {
+        const std::uint64_t vacant = block_.cell->vacant;
+        std::uint64_t touched = 0, full = 0;
+        const auto tile = [&](unsigned k, std::uint64_t covered, bool is_vacant) {
+            const std::uint64_t seen = inside_of(k) & ~covered;
+            if (seen == 0) return;
+            touched |= bit_of(k);
+            block_.masks[k] = covered | seen;
+            full |= std::uint64_t((covered | seen) == all_subcells) << k;
+            target_.samples.template add<MaskKernel>(block_, k, seen, MaskKernel::count(seen), surface_, is_vacant);
+        };
+        // Vacant ones apart: what they hold is not read, and neither branches on it.
+        for (std::uint64_t left = masks & vacant; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            tile(k, block_.samples_outside(pyramid_, k), true);
+        }
+        for (std::uint64_t left = masks & ~vacant; left != 0; left &= left - 1) {
+            const auto k = unsigned(std::countr_zero(left));
+            tile(k, block_.masks[k], false);
+        }
+        if (touched == 0) return;
         block_.drew = true;
-        block_.masks[k] = covered | seen;
-        block_.cell->vacant &= ~bit_of(k);
-        if (block_.masks[k] == all_subcells) block_.cell->covered |= bit_of(k);
-        target_.samples.add(block_, k, seen, MaskKernel::count(seen), surface_, is_vacant);
+        block_.cell->vacant = vacant & ~touched;
+        block_.cell->covered |= full;
     }
 
     Target& target_;
@@ -104,7 +119,7 @@ class StrictMasks {
     /// Covers all samples of a vacant cell.
     void cover_cell(int level, int x, int y) {
         target_.for_blocks(level, x, y, [&](const MaskBlock& block) {
-            target_.samples.cover_block(block, pyramid_.inside(block.index), surface_);
+            target_.samples.template cover_block<MaskKernel>(block, pyramid_.inside(block.index), surface_);
         });
     }
 

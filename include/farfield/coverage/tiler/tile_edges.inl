@@ -166,6 +166,18 @@ class TileEdges {
             }
         }
     }
+    /// The same for the n-th edge of a block that it crosses, as a function of k: where masks are exact, what all masks
+    /// share is found once.
+    FARFIELD_INLINE auto samples_inside_one(const Triage& t, int n, int x, int y) const {
+        const std::uint8_t edge = t.edges.edge[std::size_t(n)];
+        const std::int64_t e = t.edges.e[std::size_t(n)];
+        if constexpr (Target::masks == MaskSource::exact) {
+            return [numbers = MaskKernel::Numbers(values_[edge]), v = values_[edge],
+                    base = std::int32_t(e >> 8)](unsigned k) { return numbers.greater(~(base + v[k] * 8)); };
+        } else {
+            return [=, this](unsigned k) { return samples_inside(edge, e, x, y, k); };
+        }
+    }
     /// The samples that lie inside all edges.
     std::uint64_t samples_inside(const Triage& t, int x, int y, unsigned k) const {
         std::uint64_t inside = all_subcells;
