@@ -17,6 +17,8 @@
 //     polygons(data, cell, sink)                            itself, for a hierarchy that holds an instance; without it
 //                                                           the faces are taken that are drawn from two opposite
 //                                                           corners
+//     words_placed, place(data, cell, words), draw_placed(words, count, view, sink)
+//                                                           many at once, by splats: see DrawsPlaced
 //
 // Facts announce whatever else it has, and make it required.
 #pragma once
@@ -212,6 +214,21 @@ void draw_stand_in(const A& a, const Data& data, std::span<const Pool> pool, con
         a.draw_stand_in(data, cell, view, sink);
     }
 }
+
+/// The class that declares a member.
+template <class Class, class Member>
+Class class_of(Member Class::*);
+
+/// Stand-ins that become splats can wait until there are many, each as `words_placed` words (12 at most). place()
+/// writes word i to words[i * placed_stride]; draw_placed() draws `count` of them in order, may read what lies behind
+/// them in each row, and calls sink(Splat) as draw_stand_in() would. All must be of one class: who derives from an
+/// approximation and draws otherwise is not bypassed.
+inline constexpr std::size_t placed_stride = 256, most_words_placed = 12;
+template <class A>
+concept DrawsPlaced = requires {
+    { class_of(&A::place) } -> std::same_as<decltype(class_of(&A::template draw_stand_in<archetype::StandInSink&>))>;
+}
+&&A::words_placed <= most_words_placed;
 
 template <class A, class Data>
 Work work_of_stand_in(const A& a, const Data& data) {

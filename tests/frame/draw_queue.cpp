@@ -231,3 +231,59 @@ TEST_CASE("stand-ins for who blends back to front come after all, reversed, each
     q.queue.replay();
     CHECK(q.renderer.calls.empty());
 }
+
+namespace {
+/// A policy whose stand-ins wait as one word, a mark.
+struct Marks {
+    static constexpr std::size_t words_placed = 1;
+    void place(const std::uint8_t& mark, const Cell&, std::uint32_t* words) const { words[0] = mark; }
+    template <class Sink>
+    void draw_placed(const std::uint32_t* words, std::size_t count, const LocalView&, Sink&& sink) const {
+        for (std::size_t i = 0; i < count; ++i) {
+            if (words[i] != 0) sink(splat(std::uint8_t(words[i])));  // 0 draws nothing
+        }
+    }
+};
+}  // namespace
+
+TEST_CASE("stand-ins that wait for others keep their place among splats, faces and runs", "[frame]") {
+    Queue<AnyOrder> q;
+    const Marks one, other;
+    const LocalView from = view(0);
+    const auto place = [&](const Marks& policy, std::uint8_t mark) {
+        q.queue.add_placed(source, from, policy, mark, Cell{});
+    };
+    place(one, 1);
+    place(one, 0);
+    place(one, 2);
+    place(other, 3);  // another policy's
+    q.queue.add(source, splat(4));
+    place(one, 5);
+    q.queue.add(source, face(6));
+    place(one, 7);
+    q.run(0, 2);
+    q.run(5, 6, AreaLaw::mixed);
+    place(one, 8);
+    const auto& calls = q.flushed();
+    std::vector<std::vector<std::uint8_t>> marks;
+    for (const Log::Call& c : calls) {
+        if (c.what != Log::Call::ranges) marks.push_back(c.marks);
+    }
+    CHECK(marks == std::vector<std::vector<std::uint8_t>>{{1, 2}, {3}, {4}, {5}, {6}, {7}, {8}});
+    CHECK(q.stats.splats == 7);
+    CHECK(q.stats.faces == 1);
+}
+
+TEST_CASE("as many stand-ins wait as splats would", "[frame]") {
+    Queue<AnyOrder> q;
+    const Marks policy;
+    const LocalView from = view(0);
+    for (int i = 0; i < 600; ++i) q.queue.add_placed(source, from, policy, std::uint8_t(1 + i % 255), Cell{});
+    const auto& calls = q.flushed();
+    REQUIRE(calls.size() == 3);
+    int at = 0;
+    for (const Log::Call& c : calls) {
+        for (const std::uint8_t mark : c.marks) CHECK(mark == 1 + at++ % 255);
+    }
+    CHECK(at == 600);
+}

@@ -5,7 +5,7 @@ cmake_minimum_required(VERSION 3.20)
 
 # --- what may include what: a folder, with all below it, or a header at the root
 
-set(for_everyone fail.hpp geometry settings.hpp version.hpp)
+set(for_everyone fail.hpp geometry settings.hpp simd.hpp version.hpp)
 # may_include(ROOM ROOM...): what else a room may include than itself and those. `everything` means that.
 function(may_include room)
   set("arrows_of_${room}" ${ARGN} PARENT_SCOPE)
@@ -19,6 +19,7 @@ set(frame frame ${hierarchy})
 
 may_include(fail.hpp)
 may_include(settings.hpp)
+may_include(simd.hpp)
 may_include(version.hpp)
 may_include(geometry)
 foreach(contract IN LISTS contracts) # view/ is the value that most contracts pass, in local coordinates
@@ -70,7 +71,7 @@ tested_by(coverage/pixels/box_filter coverage/pixels/pixel_blocks)
 tested_by(coverage/pixels/cosine_hump_filter coverage/pixels/cosine_hump)
 tested_by(coverage/polygons/surface coverage/polygons/color_gradient coverage/polygons/scattered_samples)
 tested_by(renderer/coverage_renderer coverage/polygons/far_polygons coverage/polygons/polygon_setup)
-tested_by(coverage/tiler/mask_kernel raster/simd)
+tested_by(coverage/tiler/mask_kernel simd)
 tested_by(frame/selection frame/draw_now)
 tested_by(hierarchy/fingerprint geometry/mixed)
 tested_by(measure/flip measure/flip_colors measure/flip_filters)

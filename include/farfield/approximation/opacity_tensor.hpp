@@ -129,19 +129,48 @@ struct OpacityTensor {
             }
             return;
         }
-        const float length = length_of(towards);
-        if (!(length > 0) || (view.is_perspective && !(view.depth(center) > 0))) return;
-        const TensorAppearance::Seen seen = appearance.seen_from(towards / length);
-        if (!(seen.area > 0)) return;
-        const float area = seen.area * view.stretch(center);
-        const glm::vec2 size = appearance.rectangle(center, view, area);
-        const float part = area / (size.x * size.y);
-        const AreaLaw law = appearance.shape.law;
-        const bool gains = law == AreaLaw::coherent && appearance.reaches_across(cell);
-        const float gain = !gains ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
-        const glm::vec3 rgb = seen.rgb + 0.5f;
-        sink(Splat{center, size * tensor_unit(cell), std::min(gain * part, 1.0f),
-                   Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});
+        draw_splat(appearance, center, tensor_unit(cell), TensorAppearance::least_reach(cell), view, sink);
+    }
+
+    // Many at once: see DrawsPlaced in approximation.hpp.
+
+    static constexpr std::size_t words_placed = PlacedTensor::words;
+    void place(const stand_in_data& data, const Cell& cell, std::uint32_t* words) const {
+        const auto put = [&](std::size_t i, std::uint32_t word) { words[i * PlacedTensor::stride] = word; };
+        const auto put_number = [&](std::size_t i, float v) { put(i, std::bit_cast<std::uint32_t>(v)); };
+        put(0, std::uint32_t(data.first));
+        put(1, std::uint32_t(data.first >> 32));
+        put(2, std::uint32_t(data.second));
+        put(3, std::uint32_t(data.second >> 32));
+        const glm::vec3 corner = cell.bounds_center - cell.bounds_half;
+        put_number(PlacedTensor::x, corner.x);
+        put_number(PlacedTensor::y, corner.y);
+        put_number(PlacedTensor::z, corner.z);
+        put_number(PlacedTensor::unit, tensor_unit(cell));
+        put_number(PlacedTensor::reach, TensorAppearance::least_reach(cell));
+        put_number(PlacedTensor::scale, data.scale());
+    }
+    template <class Sink>
+    void draw_placed(const std::uint32_t* words, std::size_t count, const LocalView& view, Sink&& sink) const {
+        const detail::TensorKernel& kernel = detail::TensorKernel::chosen();
+        const TensorOptions options{closed_surfaces, counts_overlap, closed_surfaces ? closed_sheet_gain : sheet_gain};
+        TensorSplats out;
+        for (std::size_t first = 0; first < count; first += kernel.lanes) {
+            const std::size_t n = std::min(kernel.lanes, count - first);
+            if (!kernel.splats_of(words + first, n, view, options, out)) {
+                for (std::size_t i = first; i < first + n; ++i) draw_one_placed(words + i, view, sink);
+                continue;
+            }
+            for (std::size_t i = 0; i < n; ++i) {
+                if (out.is_drawn[i] == 0) continue;
+                const std::uint32_t rgb = out.rgb[i];
+                sink(Splat{
+                    {out.x[i], out.y[i], out.z[i]},
+                    {out.width[i], out.height[i]},
+                    out.opacity[i],
+                    {std::uint8_t(rgb), std::uint8_t(rgb >> 8), std::uint8_t(rgb >> 16), std::uint8_t(rgb >> 24)}});
+            }
+        }
     }
 
     /// Three rectangles that cross, as opaque as the contents are along their normals. Turned with an instance, their
@@ -154,6 +183,36 @@ struct OpacityTensor {
     }
 
   private:
+    template <class Sink>
+    void draw_splat(const TensorAppearance& appearance, glm::vec3 center, float unit, float least_reach,
+                    const LocalView& view, Sink&& sink) const {
+        const glm::vec3 towards = view.towards_viewer(center);
+        const float length = length_of(towards);
+        if (!(length > 0) || (view.is_perspective && !(view.depth(center) > 0))) return;
+        const TensorAppearance::Seen seen = appearance.seen_from(towards / length);
+        if (!(seen.area > 0)) return;
+        const float area = seen.area * view.stretch(center);
+        const glm::vec2 size = appearance.rectangle(center, view, area);
+        const float part = area / (size.x * size.y);
+        const AreaLaw law = appearance.shape.law;
+        const bool gains = law == AreaLaw::coherent && appearance.reaches_across(unit, least_reach);
+        const float gain = !gains ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
+        const glm::vec3 rgb = seen.rgb + 0.5f;
+        sink(Splat{center, size * unit, std::min(gain * part, 1.0f),
+                   Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});
+    }
+
+    template <class Sink>
+    void draw_one_placed(const std::uint32_t* words, const LocalView& view, Sink&& sink) const {
+        const auto word = [&](std::size_t i) { return words[i * PlacedTensor::stride]; };
+        const auto number = [&](std::size_t i) { return std::bit_cast<float>(word(i)); };
+        const StoredTensor data{word(0) | std::uint64_t(word(1)) << 32, word(2) | std::uint64_t(word(3)) << 32};
+        const TensorAppearance appearance = appearance_of(data);
+        const float unit = number(PlacedTensor::unit);
+        const glm::vec3 corner(number(PlacedTensor::x), number(PlacedTensor::y), number(PlacedTensor::z));
+        draw_splat(appearance, corner + appearance.shape.center * unit, unit, number(PlacedTensor::reach), view, sink);
+    }
+
     TensorAppearance appearance_of(const stand_in_data& data) const {
         return {data.unpacked(), closed_surfaces, counts_overlap};
     }

@@ -55,6 +55,13 @@ class DrawNow {
     template <class V>
     void stand_in(const V& v, const Subtree& subtree) {
         const auto& h = v.hierarchy;
+        using A = typename V::hierarchy_type::approximation_type;
+        if constexpr (DrawsPlaced<A> && std::is_same_v<Tint, AsTheyAre>) {
+            if (queue_.splat_limit_px() > 0) {
+                const auto& data = h.stand_ins()[subtree.stand_in];
+                return queue_.add_placed(v.source, v.view, h.approximation_policy(), data, subtree.cell);
+            }
+        }
         const StandInSink<V> sink{*this, v, subtree, queue_.splat_limit_px()};
         draw_stand_in(h.approximation_policy(), h.stand_ins()[subtree.stand_in], h.pool(), subtree.cell, v.view, sink);
     }

@@ -12,8 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "farfield/approximation.hpp"
+#include "farfield/geometry/cell.hpp"
 #include "farfield/renderer.hpp"
 #include "farfield/view.hpp"
+#include "farfield/view/local_view.hpp"
 
 namespace farfield {
 
@@ -33,7 +36,7 @@ class DrawQueue {
 
     /// Forgets what waits: an exception may have ended the last frame.
     void begin_frame() {
-        range_count_ = splat_count_ = face_count_ = 0;
+        range_count_ = splat_count_ = face_count_ = placed_count_ = 0;
         in_order_ = false;
         deferred_.clear();
         views_.clear();
@@ -60,7 +63,7 @@ class DrawQueue {
         if (first == end) return;
         stats_.primitives += end - first;
         if (law) {
-            if (splat_count_ + face_count_ != 0) flush(source);
+            if (placed_count_ + splat_count_ + face_count_ != 0) flush(source);
             in_order_ = true;
         }
         if (range_count_ != 0) {
@@ -80,7 +83,7 @@ class DrawQueue {
         if constexpr (defers) {
             deferred_.push_back({std::uint32_t(views_.size() - 1), face});
         } else {
-            if (splat_count_ != 0) flush(source);
+            if (placed_count_ + splat_count_ != 0) flush(source);
             faces_[face_count_++] = face;
             if (face_count_ == batch) flush(source);
         }
@@ -89,9 +92,29 @@ class DrawQueue {
     template <class P>
     void add(const Source<P>& source, const Splat& splat) {
         ++stats_.splats;
-        if (face_count_ != 0) flush(source);
+        if (placed_count_ + face_count_ != 0) flush(source);
         splats_[splat_count_++] = splat;
         if (splat_count_ == batch) flush(source);
+    }
+
+    /// Keeps a stand-in until there are many (DrawsPlaced). The view, which is the last one set, and the policy are
+    /// borrowed until the next flush.
+    template <class P, class A, class Data>
+    void add_placed(const Source<P>& source, const LocalView& view, const A& policy, const Data& data,
+                    const Cell& cell) {
+        static_assert(batch == detail::placed_stride);
+        if (splat_count_ + face_count_ != 0 || (placed_count_ != 0 && placed_policy_ != &policy)) flush(source);
+        if (placed_count_ == 0) {
+            placed_policy_ = &policy;
+            placed_view_ = &view;
+            draw_placed_ = [](DrawQueue& queue) {
+                static_cast<const A*>(queue.placed_policy_)
+                    ->draw_placed(queue.placed_.data(), std::exchange(queue.placed_count_, 0), *queue.placed_view_,
+                                  [&](const Splat& splat) { queue.splats_[queue.splat_count_++] = splat; });
+            };
+        }
+        policy.place(data, cell, placed_.data() + placed_count_);
+        if (++placed_count_ == batch) flush(source);
     }
 
     template <class P>
@@ -104,6 +127,10 @@ class DrawQueue {
             renderer_.draw(source, std::span<const Range>(ranges_.data(), std::exchange(range_count_, 0)));
         }
         if constexpr (R::facts.draws_splats) {
+            if (placed_count_ != 0) {
+                draw_placed_(*this);
+                stats_.splats += splat_count_;
+            }
             if (splat_count_ != 0) {
                 renderer_.draw(std::span<const Splat>(splats_.data(), std::exchange(splat_count_, 0)));
             }
@@ -156,6 +183,11 @@ class DrawQueue {
     std::array<Range, batch> ranges_;
     std::array<Splat, batch> splats_;
     std::array<Face, batch> faces_;
+    std::array<std::uint32_t, batch * detail::most_words_placed> placed_{};  ///< word by word
+    const void* placed_policy_ = nullptr;                                    ///< the approximation that placed them
+    const LocalView* placed_view_ = nullptr;
+    void (*draw_placed_)(DrawQueue&) = nullptr;
+    std::size_t placed_count_ = 0;
     std::size_t range_count_ = 0, splat_count_ = 0, face_count_ = 0;
     bool in_order_ = false;  ///< a range that waits has a law
     std::vector<Deferred> deferred_;

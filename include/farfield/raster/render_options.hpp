@@ -7,7 +7,7 @@
 
 #include "farfield/geometry/light.hpp"
 #include "farfield/geometry/rgba8.hpp"
-#include "farfield/raster/simd.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield {
 

@@ -27,9 +27,9 @@
 #include "farfield/image.hpp"
 #include "farfield/raster/light_in_view.hpp"
 #include "farfield/raster/sample_projection.hpp"
-#include "farfield/raster/simd.hpp"
 #include "farfield/raster/source_slots.hpp"
 #include "farfield/renderer.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield {
 

@@ -20,7 +20,6 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/samples/color_samples.hpp"
 #include "farfield/raster/scan_conversion.hpp"
-#include "farfield/raster/simd.hpp"
 #include "farfield/raster/source_slots.hpp"
 #include "farfield/raster/triangles/sample_rows.hpp"
 #include "farfield/raster/triangles/triangle_painter.hpp"
@@ -28,6 +27,7 @@
 #include "farfield/raster/triangles/triangle_stream.hpp"
 #include "farfield/raster/triangles/triangle_triage.hpp"
 #include "farfield/renderer.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield {
 

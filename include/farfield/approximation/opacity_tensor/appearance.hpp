@@ -13,6 +13,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "farfield/approximation/opacity_tensor/appearance_lanes.hpp"
 #include "farfield/approximation/opacity_tensor/axis_masks.hpp"
 #include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
 #include "farfield/drawables.hpp"
@@ -36,63 +37,25 @@ struct TensorAppearance {
         glm::vec3 rgb;  ///< 0 to 255
     };
     Seen seen_from(glm::vec3 w) const {
-        float area = shape.area_seen_from(w);
-        if (!(area > 0)) return {0, shape.rgb};
-        float tone = std::max(1 + glm::dot(shape.tone, w) / area, 0.0f);
-        if (closed_surfaces) {
-            const float fronts = 1 + glm::clamp(glm::dot(shape.facing, w) / area, -1.0f, 1.0f);
-            if (fronts < 0.04f) return {0, shape.rgb};
-            tone = std::min(tone / fronts, 2.0f);
-            area *= 0.5f * fronts;
-        }
-        if (counts_overlap) {
-            const float outline = shape.outline_from(w);
-            area = outline * (1 - transmitted(1, area / outline, shape.law));
-        }
-        return {area, glm::min(shape.rgb * tone, glm::vec3(255))};
+        const auto seen = detail::one_tensor::seen_from(shape, w, closed_surfaces, counts_overlap);
+        return {seen.area, seen.rgb};
     }
 
     /// Width and height, in the picture, of the rectangle that is drawn about `center` and has room for this area.
     glm::vec2 rectangle(glm::vec3 center, const LocalView& view, float area) const {
-        glm::vec3 right = view.right, up = view.up;
-        if (view.is_perspective) {  // points that lie deeper are nearer to the vanishing point
-            const glm::vec3 d = center - view.eye;
-            const float inverse = 1 / glm::dot(d, view.forward);
-            right -= view.forward * (glm::dot(d, view.right) * inverse);
-            up -= view.forward * (glm::dot(d, view.up) * inverse);
-        }
-        if (shape.law != AreaLaw::coherent) {
-            right *= shape.extent;
-            up *= shape.extent;
-            const glm::vec2 size = glm::sqrt(glm::vec2(glm::dot(right, right), glm::dot(up, up)));
-            return size * std::sqrt(std::max(area / (size.x * size.y), 1.0f));
-        }
-        // In a flat sheet the coordinate in which it is steepest follows from the others: it is not as large as its
-        // box.
-        const glm::vec2 box(glm::dot(glm::abs(right), shape.extent), glm::dot(glm::abs(up), shape.extent));
-        const glm::vec3 n = shape.sheet_normal(), steep = glm::abs(n);
-        const int k = steep.x >= steep.y && steep.x >= steep.z ? 0 : steep.y >= steep.z ? 1 : 2;
-        if (n[k] != 0) {
-            right -= n * (right[k] / n[k]);
-            up -= n * (up[k] / n[k]);
-        }
-        const glm::vec2 size(glm::dot(glm::abs(right), shape.extent), glm::dot(glm::abs(up), shape.extent));
-        return with_room(glm::max(glm::min(size, box), 0x1p-8f), box, area);  // edge-on
+        const auto size = detail::one_tensor::rectangle(shape, center, view, area);
+        return {size.x, size.y};
     }
 
-    /// What takes more room than one sheet has is several, strewn over their box.
-    static glm::vec2 with_room(glm::vec2 size, glm::vec2 box, float area) {
-        const float times = area / (size.x * size.y);
-        if (!(times > 1)) return size;
-        size += glm::max(box - size, 0.0f) * std::min(4 * (times - 1), 1.0f);
-        return size * std::sqrt(std::max(area / (size.x * size.y), 1.0f));
-    }
-
-    /// Whether the contents may go on in neighboring cells in two directions, as a surface does: rounding included.
-    bool reaches_across(const Cell& cell) const {
+    /// Whether the contents may go on in neighboring cells in two directions, as a surface does: rounding included. In
+    /// local units, `unit` is tensor_unit(cell), and `least` least_reach(cell).
+    bool reaches_across(float unit, float least) const {
         const glm::vec3 e = shape.extent;
         const float second = std::max(std::min(e.x, e.y), std::min(std::max(e.x, e.y), e.z));
-        return second * tensor_unit(cell) >= 1.75f * glm::max(cell.half.x, glm::max(cell.half.y, cell.half.z));
+        return second * unit >= least;
+    }
+    static float least_reach(const Cell& cell) {
+        return 1.75f * glm::max(cell.half.x, glm::max(cell.half.y, cell.half.z));
     }
 
     /// The contents' centroid, in local coordinates.

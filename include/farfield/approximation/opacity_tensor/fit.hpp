@@ -16,6 +16,7 @@
 #include <limits>
 #include <numbers>
 
+#include "farfield/approximation/opacity_tensor/appearance_lanes.hpp"
 #include "farfield/approximation/opacity_tensor/area_sums.hpp"
 #include "farfield/approximation/opacity_tensor/axis_masks.hpp"
 #include "farfield/approximation/opacity_tensor/stored_tensor.hpp"

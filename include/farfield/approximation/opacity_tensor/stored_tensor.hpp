@@ -38,31 +38,17 @@ struct TensorShape {
     float error = 0;      ///< 0 to 1
     AreaLaw law = AreaLaw::independent;
 
-    /// The projected area if nothing hides anything; w is a unit vector.
-    float area_seen_from(glm::vec3 w) const {
-        const glm::vec3 u(root[0] * w.x + root[1] * w.y + root[2] * w.z, root[3] * w.y + root[4] * w.z, root[5] * w.z);
-        return std::sqrt(glm::dot(u, u));
-    }
+    // What follows is defined in appearance_lanes.hpp.
 
+    /// The projected area if nothing hides anything; w is a unit vector.
+    float area_seen_from(glm::vec3 w) const;
     /// Area of the contents' outline. Sheets lie anywhere in their box. Leaves strewn in it are thin where they are
     /// seen through one of its edges or corners, which count for less: within 4 % of the area that leaves cover where
     /// they fill a cube once or twice.
-    float outline_from(glm::vec3 w) const {
-        const glm::vec3 e = extent, sides = glm::abs(w) * glm::vec3(e.y * e.z, e.z * e.x, e.x * e.y);
-        const float outline = sides.x + sides.y + sides.z;
-        return law == AreaLaw::coherent ? outline : 0.15f * outline + 0.85f * std::sqrt(glm::dot(sides, sides));
-    }
-
+    float outline_from(glm::vec3 w) const;
     /// The normal, of any length, of contents that are nearly flat; 0 unless nine tenths of the surfaces have one
     /// direction.
-    glm::vec3 sheet_normal() const {
-        const float first = root[0] * root[0] + root[1] * root[1] + root[2] * root[2];
-        const float second = root[3] * root[3] + root[4] * root[4], third = root[5] * root[5];
-        const float most = 0.9f * (first + second + third);
-        if (first > most) return {root[0], root[1], root[2]};
-        if (second > most) return {0, root[3], root[4]};
-        return {0, 0, third > most ? root[5] : 0.0f};
-    }
+    glm::vec3 sheet_normal() const;
 };
 
 /// The root of the tensor is quantized, not the tensor itself: an error of 1/62 is one of the area seen, not of its
@@ -103,7 +89,7 @@ struct StoredTensor {
         const auto bits = [](std::uint64_t word, unsigned at, unsigned count) {
             return std::int32_t(word >> at & ((1u << count) - 1));
         };
-        const float scale = scale_of(std::uint32_t(bits(second, 46, 8)) << 1 | std::uint32_t(bits(first, 63, 1)));
+        const float scale = this->scale();
         const float root_step = scale * (1.0f / 31), step = scale * (1.0f / 15);
         for (unsigned i = 0; i < 6; ++i) s.root[i] = float(bits(first, 6 * i, 6) - 32) * root_step;
         for (int axis = 0; axis < 3; ++axis) {
@@ -120,6 +106,8 @@ struct StoredTensor {
         return s;
     }
 
+    /// Roots are in 31sts of it, facing and tone in 15ths.
+    float scale() const { return scale_of(std::uint32_t(second >> 46 & 255) << 1 | std::uint32_t(first >> 63)); }
     AreaLaw area_law() const { return AreaLaw(second >> 54 & 3); }
     float error() const {
         const float root = float(second >> 56 & 31) * (1.0f / 31);

@@ -16,7 +16,7 @@
 #include "farfield/coverage/pixels/pixel_blocks.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
-#include "farfield/raster/simd.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield {
 

@@ -14,7 +14,7 @@
 #include "farfield/coverage/pixels/far_pixels.hpp"
 #include "farfield/coverage/pixels/point_samples.hpp"
 #include "farfield/coverage/polygons/surface.hpp"
-#include "farfield/raster/simd.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield {
 

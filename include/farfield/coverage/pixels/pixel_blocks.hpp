@@ -15,7 +15,7 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
 #include "farfield/raster/made_for.hpp"
-#include "farfield/raster/simd.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield::detail {
 

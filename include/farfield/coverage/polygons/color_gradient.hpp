@@ -9,7 +9,7 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/scan_conversion.hpp"
-#include "farfield/raster/simd.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield::detail {
 

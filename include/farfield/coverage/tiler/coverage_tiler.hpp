@@ -29,7 +29,7 @@
 #include "farfield/coverage/polygons/silhouette.hpp"
 #include "farfield/coverage/polygons/surface.hpp"
 #include "farfield/coverage/triage_mask.hpp"
-#include "farfield/raster/simd.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield {
 

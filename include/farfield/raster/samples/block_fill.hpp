@@ -20,8 +20,8 @@
 #include "farfield/raster/samples/sample_blocks.hpp"
 #include "farfield/raster/scan_conversion.hpp"
 #include "farfield/raster/shading.hpp"
-#include "farfield/raster/simd.hpp"
 #include "farfield/raster/triangles/colors_of_row.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield::detail {
 

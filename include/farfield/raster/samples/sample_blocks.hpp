@@ -18,7 +18,7 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/sample_rect.hpp"
 #include "farfield/raster/scan_conversion.hpp"
-#include "farfield/raster/simd.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield::detail {
 

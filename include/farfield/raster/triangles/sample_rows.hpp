@@ -11,8 +11,8 @@
 #include <glm/vec3.hpp>
 
 #include "farfield/geometry/rgba8.hpp"
-#include "farfield/raster/simd.hpp"
 #include "farfield/raster/triangles/colors_of_row.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield::detail {
 

@@ -10,9 +10,9 @@
 #include <cstdint>
 
 #include "farfield/raster/sample_projection.hpp"
-#include "farfield/raster/simd.hpp"
 #include "farfield/raster/snapping.hpp"
 #include "farfield/raster/triangles/triangle_stream.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield::detail {
 

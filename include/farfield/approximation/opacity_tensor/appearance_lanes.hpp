@@ -1,0 +1,100 @@
+// Compiles what opacity tensors look like for one and for several at once, and chooses at run time.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#include "farfield/approximation.hpp"
+#include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/length.hpp"
+#include "farfield/simd.hpp"
+#include "farfield/view/local_view.hpp"
+
+namespace farfield {
+
+/// A stored tensor in its cell, in words that are kept far apart: word i of many tensors lie side by side.
+struct PlacedTensor {
+    /// The stored tensor's, then its lower corner, its unit of length, 1.75 of its cell's half side, and its scale.
+    enum Word : std::size_t { bits = 0, x = 4, y = 5, z = 6, unit = 7, reach = 8, scale = 9, words = 10 };
+    static constexpr std::size_t stride = detail::placed_stride;
+};
+
+/// Those of OpacityTensor that a look depends on.
+struct TensorOptions {
+    bool closed_surfaces, counts_overlap;
+    float sheet_gain;
+};
+
+/// The lanes of several Splats. A color has the first channel in its lowest byte.
+struct TensorSplats {
+    static constexpr std::size_t most = 8;
+    float x[most], y[most], z[most], width[most], height[most], opacity[most];
+    std::uint32_t rgb[most];
+    std::int32_t is_drawn[most];
+};
+
+namespace detail {
+
+// --- the same for one, four and eight
+
+#define FARFIELD_LANES 1
+namespace one_tensor {
+#include "farfield/approximation/opacity_tensor/appearance_lanes.inl"
+}
+#undef FARFIELD_LANES
+
+#define FARFIELD_LANES 4
+namespace four_tensors {
+#include "farfield/approximation/opacity_tensor/appearance_lanes.inl"
+}
+#undef FARFIELD_LANES
+
+#if defined(__x86_64__)
+FARFIELD_BEGIN_EIGHT_LANES
+#define FARFIELD_LANES 8
+namespace eight_tensors {
+#include "farfield/approximation/opacity_tensor/appearance_lanes.inl"
+}
+#undef FARFIELD_LANES
+FARFIELD_END_LANES
+#endif
+
+/// Fills in the splats of as many tensors as `lanes` says, or of `count`, if that is less.
+struct TensorKernel {
+    bool (*splats_of)(const std::uint32_t* placed, std::size_t count, const LocalView& view,
+                      const TensorOptions& options, TensorSplats& out);
+    std::size_t lanes;
+
+    static const TensorKernel& chosen() {
+        static const TensorKernel kernel = [] {
+#if defined(__x86_64__)
+            if (lanes_for(Simd::automatic) >= 8) return TensorKernel{eight_tensors::splats_of, 8};
+#endif
+            return TensorKernel{four_tensors::splats_of, 4};
+        }();
+        return kernel;
+    }
+};
+
+}  // namespace detail
+
+inline float TensorShape::area_seen_from(glm::vec3 w) const {
+    return detail::one_tensor::area_seen_from(*this, w);
+}
+inline float TensorShape::outline_from(glm::vec3 w) const {
+    return detail::one_tensor::outline_from(*this, w);
+}
+inline glm::vec3 TensorShape::sheet_normal() const {
+    return detail::one_tensor::sheet_normal(*this);
+}
+
+}  // namespace farfield

@@ -1,0 +1,159 @@
+// Several tensors at once give the splats that each gives alone, bit by bit.
+#include "farfield/approximation/opacity_tensor/appearance_lanes.hpp"
+
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "catch.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
+#include "support/random.hpp"
+#include "support/views.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+
+namespace {
+
+struct Placed {
+    StoredTensor data;
+    Cell cell;
+};
+
+/// Whatever bits may be stored; one in eight is what no contents gave.
+StoredTensor random_tensor(Random& random) {
+    const auto word = [&] {
+        return std::uint64_t(random.below(1u << 31)) << 33 ^ std::uint64_t(random.below(1u << 31)) << 8;
+    };
+    StoredTensor t;
+    if (random.below(8) == 0) return t;
+    t.first = word() ^ random.below(256);
+    t.second = word() ^ random.below(256);
+    t.second &= ~(std::uint64_t(3) << 54);
+    t.second |= std::uint64_t(random.below(3)) << 54;
+    return t;
+}
+
+Cell random_cell(Random& random, float size) {
+    Cell cell;
+    cell.center = random.in_cube(1) * size;
+    cell.half = glm::vec3(random.between(0.01f, 0.2f), random.between(0.01f, 0.2f), random.between(0.01f, 0.2f)) * size;
+    cell.bounds_center = cell.center + random.in_cube(0.01f) * size;
+    cell.bounds_half = cell.half * random.between(0.5f, 1.5f);
+    return cell;
+}
+
+struct Sink {
+    std::vector<Splat>& splats;
+    float splat_limit_px = 2;
+    void operator()(const Face&) const { FAIL("a face"); }
+    void operator()(const Splat& s) const { splats.push_back(s); }
+};
+
+bool are_same(const std::vector<Splat>& a, const std::vector<Splat>& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Splat)) == 0);
+}
+
+std::vector<std::uint32_t> words_of(const OpacityTensor& policy, const std::vector<Placed>& all) {
+    std::vector<std::uint32_t> words(PlacedTensor::words * PlacedTensor::stride, 0x7fffffffu);  // NaN behind the last
+    for (std::size_t i = 0; i < all.size(); ++i) policy.place(all[i].data, all[i].cell, words.data() + i);
+    return words;
+}
+
+using Kernel = decltype(detail::TensorKernel::splats_of);
+
+/// As OpacityTensor::draw_placed, for each width that the processor has. False: a width gave other bits.
+bool widths_agree(const OpacityTensor& policy, const std::vector<Placed>& all, const LocalView& view,
+                  const std::vector<Splat>& expected, bool& was_refused) {
+    std::vector<std::pair<Kernel, std::size_t>> kernels{{detail::four_tensors::splats_of, 4}};
+#if defined(__x86_64__)
+    if (detail::lanes_for(Simd::automatic) >= 8) kernels.emplace_back(detail::eight_tensors::splats_of, 8);
+#endif
+    const std::vector<std::uint32_t> words = words_of(policy, all);
+    const TensorOptions options{policy.closed_surfaces, policy.counts_overlap,
+                                policy.closed_surfaces ? policy.closed_sheet_gain : policy.sheet_gain};
+    for (const auto& [splats_of, lanes] : kernels) {
+        std::vector<Splat> found;
+        for (std::size_t first = 0; first < all.size(); first += lanes) {
+            TensorSplats out;
+            const std::size_t n = std::min(lanes, all.size() - first);
+            if (!splats_of(words.data() + first, n, view, options, out)) {
+                was_refused = true;
+                return true;
+            }
+            for (std::size_t i = 0; i < n; ++i) {
+                if (out.is_drawn[i] == 0) continue;
+                const std::uint32_t c = out.rgb[i];
+                found.push_back(
+                    {{out.x[i], out.y[i], out.z[i]},
+                     {out.width[i], out.height[i]},
+                     out.opacity[i],
+                     {std::uint8_t(c), std::uint8_t(c >> 8), std::uint8_t(c >> 16), std::uint8_t(c >> 24)}});
+            }
+        }
+        if (!are_same(found, expected)) return false;
+    }
+    return true;
+}
+
+/// The derived policy draws nothing: who draws otherwise must not be bypassed.
+struct Silent : OpacityTensor {
+    template <class Sink>
+    void draw_stand_in(const stand_in_data&, const Cell&, const LocalView&, Sink&&) const {}
+};
+struct Renamed : OpacityTensor {};
+static_assert(detail::DrawsPlaced<OpacityTensor> && detail::DrawsPlaced<Renamed>);
+static_assert(!detail::DrawsPlaced<Silent>);
+
+}  // namespace
+
+TEST_CASE("tensors drawn together are those drawn one by one", "[approximation]") {
+    Random random(140);
+    std::size_t drawn = 0;
+    for (int round = 0; round < 400; ++round) {
+        CAPTURE(round);
+        OpacityTensor policy;
+        policy.closed_surfaces = random.below(2) == 0;
+        policy.counts_overlap = random.below(4) != 0;
+        const float size = round % 8 == 0 ? std::ldexp(1.0f, int(random.below(160)) - 80) : 1.0f;
+        std::vector<Placed> all(1 + random.below(round % 50 == 0 ? 255 : 20));
+        for (Placed& p : all) p = {random_tensor(random), random_cell(random, size)};
+        const glm::dvec3 eye = glm::dvec3(random.in_cube(3)) * double(size);
+        const View view = round % 3 == 0 ? looking_orthographic(eye, {0, 0, 0}) : looking(eye, {0, 0, 0});
+        const LocalView local(view, glm::dvec3(0), 4 * size);
+        std::vector<Splat> one_by_one, together;
+        for (const Placed& p : all) policy.draw_stand_in(p.data, p.cell, local, Sink{one_by_one});
+        const std::vector<std::uint32_t> words = words_of(policy, all);
+        policy.draw_placed(words.data(), all.size(), local, Sink{together});
+        CHECK(are_same(together, one_by_one));
+        bool was_refused = false;
+        CHECK(widths_agree(policy, all, local, one_by_one, was_refused));
+        // Only squares of lengths that leave single precision are.
+        if (was_refused) CHECK((size > 0x1p30f || size < 0x1p-20f));
+        drawn += one_by_one.size();
+    }
+    CHECK(drawn > 2000);
+}
+
+TEST_CASE("a tensor in the eye, behind it or beside it", "[approximation]") {
+    const OpacityTensor policy;
+    TensorShape s;
+    s.root = {1, 0, 0, 1, 0, 1};
+    s.center = glm::vec3(0.5f);
+    s.extent = glm::vec3(1);
+    s.rgb = glm::vec3(200, 100, 50);
+    const StoredTensor data = StoredTensor::packed(s);
+    Cell cell;
+    cell.half = cell.bounds_half = glm::vec3(0.5f);
+    for (const glm::dvec3 eye : {glm::dvec3(0, 0, 5), glm::dvec3(0, 0, 1e-3), glm::dvec3(0), glm::dvec3(0, 0, -5)}) {
+        const LocalView local(looking(eye, eye - glm::dvec3(0, 0, 1)), glm::dvec3(0), 2);
+        const std::vector<Placed> all(7, {data, cell});
+        std::vector<Splat> one_by_one, together;
+        for (const Placed& p : all) policy.draw_stand_in(p.data, p.cell, local, Sink{one_by_one});
+        const std::vector<std::uint32_t> words = words_of(policy, all);
+        policy.draw_placed(words.data(), all.size(), local, Sink{together});
+        CHECK(are_same(together, one_by_one));
+        CHECK(one_by_one.size() == (eye.z > 0 ? 7 : 0));
+    }
+}
