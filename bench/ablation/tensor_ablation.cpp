@@ -77,7 +77,7 @@ void by_one_law(const OpacityTensor& tensor, TensorShape& s) {
     for (int axis = 0; axis < 3; ++axis) {
         glm::vec3 w(0);
         w[axis] = 1;
-        const float area = s.area_seen_from(w) * (tensor.closed_surfaces ? 0.5f : 1.0f);
+        const float area = area_seen_from(s, w) * (tensor.closed_surfaces ? 0.5f : 1.0f);
         const float outline = s.extent[(axis + 1) % 3] * s.extent[(axis + 2) % 3];
         if (!(area > 0)) continue;
         const float left = std::max(transmitted(1, area / outline, s.law), 1.0f / 64);

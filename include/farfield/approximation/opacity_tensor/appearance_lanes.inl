@@ -99,14 +99,14 @@ FARFIELD_INLINE Vector times(const Vector& a, const Vector& b) {
     return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
 
-/// See TensorShape.
+/// See appearance_lanes.hpp.
 FARFIELD_INLINE Floats area_seen_from(const Tensors& t, const Vector& w) {
     const Vector u{t.root[0] * w.x + t.root[1] * w.y + t.root[2] * w.z, t.root[3] * w.y + t.root[4] * w.z,
                    t.root[5] * w.z};
     return root_of(dot(u, u));
 }
 
-/// See TensorShape.
+/// See appearance_lanes.hpp.
 FARFIELD_INLINE Floats outline_from(const Tensors& t, const Vector& w) {
     const Vector& e = t.extent;
     const Vector sides = times(absolute(w), Vector{e.y * e.z, e.z * e.x, e.x * e.y});
@@ -114,7 +114,7 @@ FARFIELD_INLINE Floats outline_from(const Tensors& t, const Vector& w) {
     return is_coherent(t) ? outline : 0.15f * outline + 0.85f * root_of(dot(sides, sides));
 }
 
-/// See TensorShape.
+/// See appearance_lanes.hpp.
 FARFIELD_INLINE Vector sheet_normal(const Tensors& t) {
     const auto& r = t.root;
     const Floats first = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];

@@ -164,7 +164,7 @@ class TensorFit {
         TensorShape shape;
         shape.root = root;
         float sum = 0;
-        for (const glm::vec3 w : directions) sum += shape.area_seen_from(w);
+        for (const glm::vec3 w : directions) sum += area_seen_from(shape, w);
         return sum / float(count);
     }
 
@@ -191,7 +191,7 @@ class TensorFit {
     static glm::vec3 normal_of(const std::array<float, 6>& tensor) {
         TensorShape shape;
         shape.root = root_of(tensor);
-        return shape.sheet_normal();
+        return sheet_normal(shape);
     }
 
     /// Sides of the box in which areas that are strewn evenly have the contents' variance, and in which there is room
@@ -231,7 +231,7 @@ class TensorFit {
             const Seen& seen = views_[std::size_t(view)];
             if (!(seen.samples >= 1)) continue;
             const glm::vec3 w = AxisMasks::direction(view);
-            const float outline = s.outline_from(w), sample = 0.5f / seen.samples;
+            const float outline = outline_from(s, w), sample = 0.5f / seen.samples;
             const float part = std::min(seen.covered / outline, 1 - sample);
             const float area = std::max(area_of(part, s.law), sample);
             // That of the area's logarithm; a tenth is what the shape itself may be off.

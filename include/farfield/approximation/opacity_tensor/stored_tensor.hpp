@@ -37,18 +37,6 @@ struct TensorShape {
     glm::vec3 rgb{0};     ///< 0 to 255
     float error = 0;      ///< 0 to 1
     AreaLaw law = AreaLaw::independent;
-
-    // What follows is defined in appearance_lanes.hpp.
-
-    /// The projected area if nothing hides anything; w is a unit vector.
-    float area_seen_from(glm::vec3 w) const;
-    /// Area of the contents' outline. Sheets lie anywhere in their box. Leaves strewn in it are thin where they are
-    /// seen through one of its edges or corners, which count for less: within 4 % of the area that leaves cover where
-    /// they fill a cube once or twice.
-    float outline_from(glm::vec3 w) const;
-    /// The normal, of any length, of contents that are nearly flat; 0 unless nine tenths of the surfaces have one
-    /// direction.
-    glm::vec3 sheet_normal() const;
 };
 
 /// The root of the tensor is quantized, not the tensor itself: an error of 1/62 is one of the area seen, not of its
