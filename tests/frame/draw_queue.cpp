@@ -235,7 +235,6 @@ TEST_CASE("stand-ins for who blends back to front come after all, reversed, each
 namespace {
 /// A policy whose stand-ins wait as one word, a mark.
 struct Marks {
-    static constexpr std::size_t words_placed = 1;
     void place(const std::uint8_t& mark, const Cell&, std::uint32_t* words) const { words[0] = mark; }
     template <class Sink>
     void draw_placed(const std::uint32_t* words, std::size_t count, const LocalView&, Sink&& sink) const {
