@@ -43,6 +43,7 @@ class LocalPlane {
     }
 
     const glm::dvec3& normal() const { return normal_; }
+    bool is_along_axis() const { return int(normal_.x == 0) + int(normal_.y == 0) + int(normal_.z == 0) == 2; }
     /// Points no farther from the plane than this lie on it.
     double tolerance() const { return tolerance_; }
     double height(glm::vec3 p) const { return glm::dot(normal_, glm::dvec3(p)) - offset_; }
