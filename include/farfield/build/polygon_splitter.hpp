@@ -75,6 +75,7 @@ class PolygonSplitter {
 
     void take_polygons(PolygonReader& intake) {
         std::vector<ClippedItem> instances;
+        intake.reserve(primitives_.size());
         read_primitives(primitives_, cost_, data_.facts, [&](const Item& item) {
             const P& primitive = primitives_[item.source];
             if constexpr (PrimitiveWithInstance<P>) {

@@ -87,6 +87,7 @@ class PolygonSubtree {
         }
         items_ = {};
         corners_ = {};
+        lists_ = {};
     }
 
   private:

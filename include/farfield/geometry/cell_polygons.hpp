@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <span>
+#include <utility>
 
 #include "farfield/geometry/box.hpp"
 #include "farfield/geometry/cell.hpp"
@@ -46,15 +47,20 @@ inline CuttingPlane plane_in(const SupportingPlane& plane, const Cell& cell) {
 inline PlaneRelation relation_of(const ClippedItem& item, std::span<const Corner> polygon, const SupportingPlane& own,
                                  const CuttingPlane& plane, const LocalPlane& local_plane, const Cell& cell) {
     const double tolerance = local_plane.tolerance();
-    const double at_lower = local_plane.height(item.bounds.lower), at_upper = local_plane.height(item.bounds.upper);
-    // Both ends of an item along an axis are those of its bounds.
-    const bool is_along_axis = local_plane.is_along_axis();
-    const double middle = 0.5 * (at_lower + at_upper);
-    const double reach = is_along_axis ? 0
-                                       : 0.5 * glm::dot(glm::abs(local_plane.normal()),
-                                                        glm::dvec3(item.bounds.upper) - glm::dvec3(item.bounds.lower));
-    double lowest = is_along_axis ? glm::min(at_lower, at_upper) : middle - reach,
-           highest = is_along_axis ? glm::max(at_lower, at_upper) : middle + reach;
+    const int axis = local_plane.axis();
+    double lowest, highest;
+    if (axis >= 0) {
+        // Along an axis an item reaches exactly as far as its bounds.
+        lowest = local_plane.height_along(axis, item.bounds.lower);
+        highest = local_plane.height_along(axis, item.bounds.upper);
+        if (highest < lowest) std::swap(lowest, highest);
+    } else {
+        const double middle = 0.5 * (local_plane.height(item.bounds.lower) + local_plane.height(item.bounds.upper));
+        const double reach = 0.5 * glm::dot(glm::abs(local_plane.normal()),
+                                            glm::dvec3(item.bounds.upper) - glm::dvec3(item.bounds.lower));
+        lowest = middle - reach;
+        highest = middle + reach;
+    }
     if (item.corners == 0) {
         if (lowest >= -tolerance) return PlaneRelation::in_front;
         return highest <= tolerance ? PlaneRelation::behind : PlaneRelation::crossing;
@@ -62,7 +68,7 @@ inline PlaneRelation relation_of(const ClippedItem& item, std::span<const Corner
     const bool may_be_own = plane.normal == own.normal;
     if (!may_be_own && lowest > tolerance) return PlaneRelation::in_front;
     if (!may_be_own && highest < -tolerance) return PlaneRelation::behind;
-    if (!is_along_axis) {
+    if (axis < 0) {
         lowest = highest = local_plane.height(polygon[0].position);
         for (const Corner& c : polygon.subspan(1)) {
             const double height = local_plane.height(c.position);
