@@ -129,16 +129,29 @@ class PlaneChoice {
 
     void gather_faces() {
         tolerance_ = float(LocalPlane(CuttingPlane{}, cell_).tolerance());
-        for (int axis = 0; axis < 3 && !is_found_; ++axis) {
+        // All faces of few boxes, of many boxes those of some.
+        const std::size_t faces = std::min(2 * sampled_, most_faces);
+        for (const int axis : axes_by_length()) {
+            if (is_found_) break;
             positions_ = 0;
-            // All faces of few boxes, of many boxes those of some.
-            const std::size_t faces = std::min(2 * sampled_, most_faces);
             for (std::size_t i = 0; i < faces && !is_found_; ++i) {
                 const std::size_t k = i / 2 * sampled_ / (faces / 2);
                 add(axis, (i % 2 == 0 ? lower_ : upper_)[std::size_t(axis)][k]);
             }
             if (items_.instances() != 0) gather_between_instances(axis);
         }
+    }
+
+    /// The longest side of the cell comes first, so that of planes which are as good as one another that one is taken
+    /// which leaves parts that are as wide as they are high: stand-ins of long and thin ones are coarse along them and
+    /// yet too many. (With x always first, slats fell into columns.)
+    std::array<int, 3> axes_by_length() const {
+        std::array<int, 3> axes{0, 1, 2};
+        const glm::vec3 half = cell_.bounds_half;
+        if (half[axes[0]] < half[axes[1]]) std::swap(axes[0], axes[1]);
+        if (half[axes[1]] < half[axes[2]]) std::swap(axes[1], axes[2]);
+        if (half[axes[0]] < half[axes[1]]) std::swap(axes[0], axes[1]);
+        return axes;
     }
 
     /// Adds planes that pass between instances, those first that halve their number best, and the faces of the box
