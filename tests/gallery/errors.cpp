@@ -108,7 +108,7 @@ TEST_CASE("gallery: clusters in cells of BSPs miss slats, as they are known to")
 TEST_CASE("gallery: tensors of twigs that a BSP takes apart cover twice as much at most, as they are known to") {
     const ZBufferOptions finest{.samples = 64};
     int worse = 0;
-    for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+    for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
         Subject subject;
         subject.name = "twigs, seed " + std::to_string(seed);
         subject.triangles = scenes::twigs({.seed = seed, .twigs = 62, .thickness = 0.01f});
