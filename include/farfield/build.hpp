@@ -39,7 +39,8 @@ struct BuildOptions {
     AnyExecutor executor{};       ///< empty: everything on the thread that calls
     ProgressCallback progress{};  ///< told how far the build has come; may cancel it
     /// Bytes of nodes, stand-ins and item indices after which no cell is split any more; 0: no limit. Checked between
-    /// levels: the result may exceed it by one level.
+    /// levels, so that the result may exceed it by one level; where the partition cuts, at every cell, depth first, so
+    /// that the result exceeds it by one cell's children at most and what a descent comes to last is left whole.
     std::uint64_t memory_budget_bytes = 0;
     /// Where the partition cuts: no cell is split any more when there are this many pieces for each polygon and half a
     /// million more; 0: no limit. Scenes take 2 to 4, but where all polygons cross all others their pieces grow with

@@ -62,3 +62,22 @@ TEST_CASE("a splat whose area all but vanishes keeps its color", "[approximation
         CHECK(splat.opacity <= 1);
     }
 }
+
+TEST_CASE("a splat of opaque faces is opaque, and no more than that", "[approximation]") {
+    View v;
+    v.camera = Camera::perspective({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1);
+    const LocalView view(v, {}, 10);
+    Random random(41);
+    for (int i = 0; i < 2000; ++i) {
+        float footprint = 0;
+        glm::vec4 sum(0);
+        for (int face = 0; face < 3; ++face) {
+            const float area = random.between(0, 1);
+            footprint += area;
+            sum += glm::vec4(255) * area;
+        }
+        const float opacity = splat_of({0, 0, -5}, footprint, 0.5f, sum, view).opacity;
+        CHECK(opacity <= 1);
+        CHECK(opacity > 1 - 1e-6f);
+    }
+}

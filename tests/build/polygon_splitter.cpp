@@ -67,25 +67,34 @@ TEST_CASE("cells are a tree, and what they keep are pieces of all that was given
             }
             wrong += (children == 0) != drafts[n].is_leaf;
             cost += drafts[n].cost;
-            const std::size_t before = split.data.order.size();
-            split.splitter.append_items(drafts[n]);
-            const Fragments fragments = split.data.fragments;
-            for (std::size_t i = before; i < split.data.order.size(); ++i) {
+        }
+        // Pieces lie in the order of a descent.
+        const Fragments fragments = split.data.fragments;
+        std::size_t first = 0;
+        for (std::vector<std::uint32_t> open{0}; !open.empty();) {
+            const auto& draft = drafts[open.back()];
+            open.pop_back();
+            for (int c = std::popcount(draft.child_mask); c-- > 0;)
+                open.push_back(draft.first_child + std::uint32_t(c));
+            for (std::size_t i = first; i < first + draft.count; ++i) {
                 const auto v = fragments[std::uint32_t(i)].vertices;
                 glm::dvec3 sum(0);
                 for (std::size_t k = 2; k < v.size(); ++k) {
                     sum += glm::cross(glm::dvec3(v[k - 1] - v[0]), glm::dvec3(v[k] - v[0]));
                 }
                 area[split.data.order[i]] += 0.5 * glm::length(sum);
-                for (const glm::vec3& p : v) wrong += !drafts[n].cell.bounds().contains(p);
+                for (const glm::vec3& p : v) wrong += !draft.cell.bounds().contains(p);
             }
+            first += draft.count;
         }
+        CHECK(first == split.data.order.size());
         CHECK(wrong == 0);
         for (std::size_t n = 1; n < parents.size(); ++n) CHECK(parents[n] == 1);
         for (std::size_t i = 0; i < count; ++i) {
             CHECK(area[i] == Approx(double(triangles[i].area())).epsilon(1e-3).margin(1e-7));
         }
         CHECK(split.data.fragments.first_vertex.size() == split.data.order.size() + 1);
+        CHECK(split.data.facts.report.polygons == count);
         // A triangle's cost goes to each of its pieces, by their triangles: never less than the whole.
         CHECK(cost >= float(count));
         CHECK(split.data.facts.report.levels >= (count == 0 ? 0u : 1u));
@@ -118,10 +127,7 @@ TEST_CASE("a budget ends cutting, and cells that are then out of order are count
 
 namespace {
 
-std::size_t pieces_of(SplitBsp& split) {
-    if (split.data.order.empty()) {
-        for (const auto& draft : split.splitter.drafts()) split.splitter.append_items(draft);
-    }
+std::size_t pieces_of(const SplitBsp& split) {
     return split.data.order.size();
 }
 

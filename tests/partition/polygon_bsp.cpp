@@ -128,6 +128,32 @@ TEST_CASE("two triangles of one quadrilateral become one polygon") {
     const Triangles strip = sheet({0, 0, 0}, {2, 0, 0}, {0, 1, 1}, 2, 1, red);
     CHECK(report(strip).polygons_joined == 2);
     CHECK(report(strip).items == 2);
+    CHECK(report(strip).polygons == 2);
+    CHECK(report(strip).pieces == 2);
+}
+
+TEST_CASE("the report counts polygons and what became of them") {
+    const Rgba8 gray{128, 128, 128, 255};
+    // Three squares through one another: the first plane cuts two of them, the second cuts both parts of the third.
+    Triangles squares = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 1, 1, gray);
+    append(squares, sheet({0, -1, -1}, {0, 2, 0}, {0, 0, 2}, 1, 1, gray));
+    append(squares, sheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 1, 1, gray));
+    const BuildReport crossing = build<Bsp>(squares).report();
+    CHECK(crossing.polygons == 3);
+    CHECK(crossing.pieces == 7);
+    CHECK(crossing.items == 7);
+    INFO(
+        "polygons that do not meet, of which each lies on both sides of the other's plane and no axis tells them "
+        "apart");
+    const Triangles apart{{{{{-1, -1, 0}, {1, 1, 0}, {1, 1, 0.1f}}}, gray},
+                          {{{{-1, 1, 0.3f}, {1, -1, 0.1f}, {1, -1.2f, 0}}}, gray}};
+    CHECK(build<Bsp>(apart).report().pieces == 2);
+    const Triangles body = sphere({0, 0, 0}, 1, 8, gray);
+    const Bsp inner = build<Bsp>(body);
+    const BuildReport instances = build<Bsp>(placed(inner, body, {{-3, 0, 0}, {3, 0, 0}})).report();
+    CHECK(instances.items == 2);
+    CHECK(instances.polygons == 0);
+    CHECK(instances.pieces == 0);
 }
 
 TEST_CASE("quadrilaterals of more colors are joined where these are one linear course") {

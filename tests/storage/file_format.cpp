@@ -48,7 +48,7 @@ TEST_CASE("what can be stored is stated by concepts") {
 }
 
 // Byte by byte: whoever makes this test fail makes a new version of the format.
-TEST_CASE("version 3 lies in files like this") {
+TEST_CASE("version 4 lies in files like this") {
     HierarchyData<Octree, ColorCube> parts;
     parts.nodes = {Node{1, 0, 1, 0b101, 0b100, 1, 0}, Node{0, 1, 0, 0, 0, 255, 0}, Node{0, 2, 0, 0, 0, 0, 0}};
     parts.stand_ins = {ColorCube::stand_in_data{Rgba8{1, 2, 3, 4}}, ColorCube::stand_in_data{Rgba8{5, 6, 7, 8}}};
@@ -64,6 +64,8 @@ TEST_CASE("version 3 lies in files like this") {
     parts.facts.fingerprint = 0x1122334455667788u;
     parts.facts.report.primitives = 3;
     parts.facts.report.items = 3;
+    parts.facts.report.polygons = 14;
+    parts.facts.report.pieces = 15;
     parts.facts.report.nodes = 3;
     parts.facts.report.polygons_joined = 11;
     parts.facts.report.polygons_without_area = 12;
@@ -87,9 +89,9 @@ TEST_CASE("version 3 lies in files like this") {
                       "\x89"
                       "FFH\r\n\x1a\n",
                       8) == 0);
-    CHECK(at(8, u32) == 3);
+    CHECK(at(8, u32) == 4);
     CHECK(at(12, u32) == 0x01020304);
-    CHECK(at(16, u32) == 648);
+    CHECK(at(16, u32) == 664);
     CHECK(at(20, u32) == Octree::facts.file_tag);
     CHECK(at(24, u32) == ColorCube::facts.file_tag);
     CHECK(at(28, u32) == TriangleCount::file_tag);
@@ -112,25 +114,27 @@ TEST_CASE("version 3 lies in files like this") {
     CHECK(at(424, u64) == 0x1122334455667788u);
     CHECK(at(432, u64) == 3);
     CHECK(at(440, u64) == 3);
-    CHECK(at(448, u32) == 3);
-    CHECK(at(488, u32) == 11);
-    CHECK(at(492, u32) == 12);
-    CHECK(at(496, u32) == 13);
-    CHECK(at(500, u32) == 0);
-    CHECK(at(504, 0.0f) == -1);
-    CHECK(at(524, 0.0f) == 3);
+    CHECK(at(448, u64) == 14);
+    CHECK(at(456, u64) == 15);
+    CHECK(at(464, u32) == 3);
+    CHECK(at(504, u32) == 11);
+    CHECK(at(508, u32) == 12);
+    CHECK(at(512, u32) == 13);
+    CHECK(at(516, u32) == 0);
+    CHECK(at(520, 0.0f) == -1);
     CHECK(at(540, 0.0f) == 3);
-    CHECK(at(564, 0.0f) == 6);
-    CHECK(at(580, 0.0f) == 3);
-    CHECK(at(608, u32) == 1);
-    CHECK(at(612, u32) == 2);
-    CHECK(at(616, 0.0f) == 7);
-    CHECK(at(620, 0.0f) == 8);
-    CHECK(at(624, 0.0f) == 9);
-    CHECK(at(628, 0.0f) == 0.25f);
-    CHECK(at(632, 0.0f) == 0.5f);
-    CHECK(at(636, u32) == 0);
-    CHECK(at(640, u64) == Xxh64::of(std::as_bytes(std::span(bytes)).first(640)));
+    CHECK(at(556, 0.0f) == 3);
+    CHECK(at(580, 0.0f) == 6);
+    CHECK(at(596, 0.0f) == 3);
+    CHECK(at(624, u32) == 1);
+    CHECK(at(628, u32) == 2);
+    CHECK(at(632, 0.0f) == 7);
+    CHECK(at(636, 0.0f) == 8);
+    CHECK(at(640, 0.0f) == 9);
+    CHECK(at(644, 0.0f) == 0.25f);
+    CHECK(at(648, 0.0f) == 0.5f);
+    CHECK(at(652, u32) == 0);
+    CHECK(at(656, u64) == Xxh64::of(std::as_bytes(std::span(bytes)).first(656)));
     CHECK(at(704, u32) == 9);
     CHECK(at(768, u32) == 5);
     CHECK(bytes[772] == 1);

@@ -177,7 +177,7 @@ TEST_CASE("files of other policies, versions and machines say so") {
         header.version = version;
         CHECK(refused<OctreeOfCubes>(directory, sealed(bytes, header)) ==
               "has format version " + std::to_string(version) +
-                  ", this program reads version 3: build and save it again");
+                  ", this program reads version 4: build and save it again");
     }
     header = header_of(bytes);
     header.byte_order = 0x04030201;

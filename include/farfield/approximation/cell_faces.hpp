@@ -78,7 +78,8 @@ inline bool is_small(glm::vec3 center, float side, const LocalView& view, float 
 /// their premultiplied colors (0 to 255) weighted by it, with an alpha above 0. The covered part of the footprint
 /// decides the law.
 inline Splat splat_of(glm::vec3 center, float footprint, float unit, glm::vec4 sum, const LocalView& view) {
-    const float alpha = sum.w / (255 * footprint);
+    // Where all faces are opaque, both are sums that were rounded in different ways.
+    const float alpha = std::min(sum.w / (255 * footprint), 1.0f);
     const AreaLaw law = law_of_opacity(alpha);
     // Of cells that are all but flat and seen from their edge, the inverse of the area would be infinite.
     const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255.0f / std::max(sum.w, 0x1p-118f)) + 0.5f, glm::vec3(255.0f));

@@ -148,7 +148,10 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
                 const float footprint =
                     4 * half[(int(side / 2) + 1) % 3] * half[(int(side / 2) + 2) % 3] * along / length_of(towards);
                 const glm::vec4 color(float(c.r), float(c.g), float(c.b), float(c.a));
-                if (c.a != 0) sink(splat_of(cube.center, footprint, unit, color * footprint, view));
+                // Of a cube that is all but flat the area may vanish.
+                if (c.a != 0 && footprint > 0) {
+                    sink(splat_of(cube.center, footprint, unit, color * footprint, view));
+                }
             });
         }
     }

@@ -72,18 +72,19 @@ class HierarchyBuilder {
 
     /// New places of nodes (blocks of siblings, depth first) and of items; costs summed up from the leaves.
     void order_depth_first(Splitter& splitter) {
-        std::uint32_t next = 1;
+        std::uint32_t next = 1, items = 0;
         std::vector<std::pair<std::uint32_t, bool>> stack{{0, false}};
         while (!stack.empty()) {
             const auto [n, children_done] = stack.back();
             stack.pop_back();
             DraftCell& node = nodes_[n];
             if (children_done) {
-                node.end_item = std::uint32_t(data_.order.size());
+                node.end_item = items;
                 continue;
             }
-            node.first_item = std::uint32_t(data_.order.size());
+            node.first_item = items;
             splitter.append_items(node);
+            items += std::uint32_t(node.count);
             stack.emplace_back(n, true);
             const auto children = unsigned(std::popcount(node.child_mask));
             for (unsigned c = 0; c < children; ++c) nodes_[node.first_child + c].place = next + c;
@@ -231,10 +232,19 @@ class HierarchyBuilder {
         for (std::size_t i = count; i-- > 0;) mark_stand_ins(data_.nodes[i], i, stand_in_of);
         data_.facts.root_has_stand_in = stand_in_of[0] != no_stand_in ? 1u : 0u;
         data_.facts.report.items = data_.order.size();
+        data_.facts.report.pieces = pieces();
         data_.facts.report.nodes = count;
         data_.facts.report.leaves = std::uint32_t(
             std::count_if(data_.nodes.begin(), data_.nodes.end(), [](const Node& n) { return n.child_mask == 0; }));
         data_.facts.report.stand_ins = std::uint32_t(data_.stand_ins.size());
+    }
+
+    /// Items that are pieces of polygons: all but instances.
+    std::uint64_t pieces() const {
+        std::uint64_t count = 0;
+        const std::vector<std::uint32_t>& first = data_.fragments.first_vertex;
+        for (std::size_t i = 1; i < first.size(); ++i) count += first[i] != first[i - 1];
+        return count;
     }
 
     void mark_stand_ins(Node& node, std::size_t index, const std::vector<std::uint32_t>& stand_in_of) {

@@ -54,31 +54,20 @@ class PolygonSplitter {
             most_pieces, budget_.memory_bytes,
             sizeof(Node) + stored_size<typename Partition_::node_data> + stored_size<typename A::stand_in_data>,
             sizeof(std::uint32_t)};
-        top.start(data_.facts.root, std::move(intake.items), std::move(intake.corners));
-        // With a budget of memory all levels are compared with it, one by one. A single part is not put off either:
-        // it would be silent until it ends.
+        // With a budget of memory all cells are compared with it, one by one. A single part is not put off either: it
+        // would be silent until it ends.
         const bool puts_off = budget.bytes == 0 && polygons > small_branch;
-        top.grow(puts_off ? small_branch : 0, budget,
+        top.grow(data_.facts.root, {std::move(intake.items), std::move(intake.corners)}, puts_off ? small_branch : 0,
+                 budget,
                  [&](std::size_t done, std::size_t total) { control_.report(BuildPhase::splitting, done, total); });
-        std::vector<Branch> below(top.deferred_leaves.size(), Branch(partition_, planes));
+        std::vector<Branch> below(top.deferred.size(), Branch(partition_, planes));
         grow_below(top, below, most_pieces, planes);
         put_together(std::move(top), below);
     }
 
     std::vector<Draft>& drafts() { return drafts_; }
-    /// Appends what a cell keeps.
-    void append_items(const Draft& node) {
-        FragmentArrays& out = data_.fragments;
-        for (std::size_t i = node.first; i < node.first + node.count; ++i) {
-            const ClippedItem& item = kept_[i];
-            for (const Corner& c : std::span(corners_).subspan(item.first_corner, item.corners)) {
-                out.vertices.push_back(c.position);
-                out.colors.push_back(c.color);
-            }
-            data_.order.push_back(item.source);
-            out.first_vertex.push_back(std::uint32_t(out.vertices.size()));
-        }
-    }
+    /// What cells keep lies in the order of a descent already.
+    void append_items(const Draft&) {}
 
   private:
     /// Large enough that the parts are few, small enough to lie in a cache.
@@ -86,6 +75,7 @@ class PolygonSplitter {
 
     void take_polygons(PolygonReader& intake) {
         std::vector<ClippedItem> instances;
+        intake.reserve(primitives_.size());
         read_primitives(primitives_, cost_, data_.facts, [&](const Item& item) {
             const P& primitive = primitives_[item.source];
             if constexpr (PrimitiveWithInstance<P>) {
@@ -103,79 +93,100 @@ class PolygonSplitter {
             });
         });
         intake.items.insert(intake.items.begin(), instances.begin(), instances.end());
+        data_.facts.report.polygons = intake.items.size() - instances.size();
         data_.facts.report.polygons_joined = intake.joined;
         data_.facts.report.polygons_without_area = intake.without_area;
         data_.facts.root = partition_.root(data_.facts.bounds);
-        data_.fragments.first_vertex.push_back(0);
     }
 
     /// Each part may have its share of the pieces that are left, so that all can be split at once. Those that it is too
     /// small for are then split again, one by one, with all that the others have left over.
     void grow_below(const Branch& top, std::vector<Branch>& below, std::uint64_t most_pieces,
                     std::span<const SupportingPlane> planes) {
-        const auto leaf = [&](std::size_t i) -> const Draft& { return top.drafts[top.deferred_leaves[i]]; };
+        const auto leaf = [&](std::size_t i) -> const Draft& { return top.drafts[top.deferred[i].draft]; };
         const auto left = [&](std::uint64_t pieces) { return most_pieces > pieces ? most_pieces - pieces : 0; };
-        const double share = double(left(top.kept.size())) / double(std::max<std::size_t>(top.deferred_items, 1));
-        std::size_t done = top.kept.size() - top.deferred_items;
+        const std::size_t all = top.kept.size() + top.deferred_items;
+        const double share = double(left(all)) / double(std::max<std::size_t>(top.deferred_items, 1));
+        std::size_t done = top.kept.size();
         std::uint64_t pieces = done;
         control_.run_in_slices(
             below.size(),
             [&](std::size_t i) {
-                below[i].start(leaf(i), top);
                 const double most = std::min((1 + share) * double(leaf(i).count), 0x1p62);
-                below[i].grow(0, {.pieces = std::uint64_t(most)}, [](std::size_t, std::size_t) {});
+                below[i].grow(leaf(i).cell, top.deferred[i].contents, 0, {.pieces = std::uint64_t(most)},
+                              [](std::size_t, std::size_t) {});
             },
             [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) {
                     done += leaf(i).count;
                     pieces += below[i].kept.size();
                 }
-                control_.report(BuildPhase::splitting, done, top.kept.size());
+                control_.report(BuildPhase::splitting, done, all);
             });
         for (std::size_t i = 0; i < below.size() && left(pieces) != 0; ++i) {
             if (below[i].report.cells_over_piece_budget == 0) continue;
             pieces -= below[i].kept.size();
             below[i] = Branch(partition_, planes);
-            below[i].start(leaf(i), top);
-            below[i].grow(0, {.pieces = left(pieces)}, [&, level = 0](std::size_t, std::size_t) mutable {
-                if (++level % 16 == 0) control_.report(BuildPhase::splitting, done, top.kept.size());
-            });
+            below[i].grow(leaf(i).cell, top.deferred[i].contents, 0, {.pieces = left(pieces)},
+                          [&](std::size_t, std::size_t) { control_.report(BuildPhase::splitting, done, all); });
             pieces += below[i].kept.size();
         }
     }
 
+    /// Drafts of the parts behind those of the top; pieces in the order of a descent.
     void put_together(Branch&& top, std::span<const Branch> below) {
+        std::size_t drafts = top.drafts.size(), items = top.kept.size(), vertices = top.fragments.vertices.size();
+        for (const Branch& branch : below) {
+            drafts += branch.drafts.size();
+            items += branch.kept.size();
+            vertices += branch.fragments.vertices.size();
+        }
+        if (drafts > 0xfffffff0u || items > 0xfffffff0u || vertices > 0xfffffff0u) {
+            detail::fail<std::length_error>("farfield: the hierarchy would exceed 2^32 nodes, items or vertices");
+        }
         drafts_ = std::move(top.drafts);
-        kept_ = std::move(top.kept);
-        corners_ = std::move(top.corners);
-        add_counts(top.report);
+        drafts_.reserve(drafts);
+        data_.order.reserve(items);
+        data_.fragments.first_vertex.reserve(items + 1);
+        data_.fragments.first_vertex.push_back(0);
+        data_.fragments.vertices.reserve(vertices);
+        data_.fragments.colors.reserve(vertices);
+        // The top kept its pieces and put off its parts in the order of a descent, too.
+        std::size_t top_kept = 0;
         for (std::size_t b = 0; b < below.size(); ++b) {
+            const std::uint32_t place = top.deferred[b].draft;
+            append_pieces(top, top_kept, top.deferred[b].kept_before);
+            top_kept = top.deferred[b].kept_before;
             const Branch& branch = below[b];
-            const std::size_t first_draft = drafts_.size(), first_item = kept_.size(), first_corner = corners_.size();
-            if (first_draft + branch.drafts.size() > 0xfffffff0u || first_item + branch.kept.size() > 0xfffffff0u ||
-                first_corner + branch.corners.size() > 0xfffffff0u) {
-                detail::fail<std::length_error>("farfield: the hierarchy would exceed 2^32 nodes, items or vertices");
-            }
+            // Its first draft is the one that was put off.
+            const auto before = std::uint32_t(drafts_.size() - 1);
             for (std::size_t n = 0; n < branch.drafts.size(); ++n) {
-                Draft draft = branch.drafts[n];
-                draft.first += first_item;
-                // Its first draft is the one that was put off.
-                if (draft.child_mask != 0) draft.first_child += std::uint32_t(first_draft) - 1;
-                if (n == 0) {
-                    drafts_[top.deferred_leaves[b]] = draft;
-                } else {
-                    drafts_.push_back(draft);
-                }
+                Draft& draft = n == 0 ? drafts_[place] : drafts_.emplace_back();
+                draft = branch.drafts[n];
+                if (draft.child_mask != 0) draft.first_child += before;
             }
-            for (ClippedItem item : branch.kept) {
-                item.first_corner += std::uint32_t(first_corner);
-                kept_.push_back(item);
-            }
-            corners_.insert(corners_.end(), branch.corners.begin(), branch.corners.end());
+            append_pieces(branch, 0, branch.kept.size());
             add_counts(branch.report);
         }
+        append_pieces(top, top_kept, top.kept.size());
+        add_counts(top.report);
         for (const Draft& draft : drafts_) {
             data_.facts.report.levels = std::max<std::uint32_t>(data_.facts.report.levels, draft.cell.depth + 1u);
+        }
+    }
+
+    void append_pieces(const Branch& from, std::size_t begin, std::size_t end) {
+        FragmentArrays& out = data_.fragments;
+        const std::uint32_t first = from.fragments.first_vertex[begin], last = from.fragments.first_vertex[end];
+        const auto moved = std::uint32_t(out.vertices.size()) - first;  // modulo 2^32
+        const auto append = [](auto& to, const auto& array, std::size_t b, std::size_t e) {
+            to.insert(to.end(), array.begin() + std::ptrdiff_t(b), array.begin() + std::ptrdiff_t(e));
+        };
+        append(data_.order, from.kept, begin, end);
+        append(out.vertices, from.fragments.vertices, first, last);
+        append(out.colors, from.fragments.colors, first, last);
+        for (std::size_t i = begin; i < end; ++i) {
+            out.first_vertex.push_back(from.fragments.first_vertex[i + 1] + moved);
         }
     }
 
@@ -196,8 +207,6 @@ class PolygonSplitter {
     HierarchyData<Partition_, A>& data_;
 
     std::vector<Draft> drafts_;
-    std::vector<ClippedItem> kept_;
-    std::vector<Corner> corners_;
 };
 
 }  // namespace farfield::detail

@@ -26,6 +26,13 @@ class PolygonReader {
     std::vector<ClippedItem> items;
     std::uint32_t joined = 0, without_area = 0;
 
+    /// Makes room for as many triangles; memory that is not used is not touched.
+    void reserve(std::size_t triangles) {
+        corners.reserve(3 * triangles);
+        planes.reserve(triangles);
+        items.reserve(triangles);
+    }
+
     /// The next polygon is not joined with the one before.
     void interrupt() { previous_is_triangle_ = false; }
 

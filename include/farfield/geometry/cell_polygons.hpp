@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <span>
+#include <utility>
 
 #include "farfield/geometry/box.hpp"
 #include "farfield/geometry/cell.hpp"
@@ -36,6 +37,50 @@ struct SupportingPlane {
 /// The side of a plane that something lies on: `crossing` is on both.
 enum class PlaneRelation : std::uint8_t { behind, on, in_front, crossing };
 
+/// The plane that a polygon lies in, in a cell.
+inline CuttingPlane plane_in(const SupportingPlane& plane, const Cell& cell) {
+    return {plane.normal, float(plane.offset - glm::dot(glm::dvec3(plane.normal), glm::dvec3(cell.center)))};
+}
+
+/// `local_plane` is `plane` in the cell. Pieces of the polygon that it was laid through lie on it, however their
+/// corners were rounded. An instance as thin as the plane counts as in front of it: it is never `on`.
+inline PlaneRelation relation_of(const ClippedItem& item, std::span<const Corner> polygon, const SupportingPlane& own,
+                                 const CuttingPlane& plane, const LocalPlane& local_plane, const Cell& cell) {
+    const double tolerance = local_plane.tolerance();
+    const int axis = local_plane.axis();
+    double lowest, highest;
+    if (axis >= 0) {
+        // Along an axis an item reaches exactly as far as its bounds.
+        lowest = local_plane.height_along(axis, item.bounds.lower);
+        highest = local_plane.height_along(axis, item.bounds.upper);
+        if (highest < lowest) std::swap(lowest, highest);
+    } else {
+        const double middle = 0.5 * (local_plane.height(item.bounds.lower) + local_plane.height(item.bounds.upper));
+        const double reach = 0.5 * glm::dot(glm::abs(local_plane.normal()),
+                                            glm::dvec3(item.bounds.upper) - glm::dvec3(item.bounds.lower));
+        lowest = middle - reach;
+        highest = middle + reach;
+    }
+    if (item.corners == 0) {
+        if (lowest >= -tolerance) return PlaneRelation::in_front;
+        return highest <= tolerance ? PlaneRelation::behind : PlaneRelation::crossing;
+    }
+    const bool may_be_own = plane.normal == own.normal;
+    if (!may_be_own && lowest > tolerance) return PlaneRelation::in_front;
+    if (!may_be_own && highest < -tolerance) return PlaneRelation::behind;
+    if (axis < 0) {
+        lowest = highest = local_plane.height(polygon[0].position);
+        for (const Corner& c : polygon.subspan(1)) {
+            const double height = local_plane.height(c.position);
+            lowest = glm::min(lowest, height);
+            highest = glm::max(highest, height);
+        }
+    }
+    const bool behind = lowest<-tolerance, in_front = highest> tolerance;
+    if (!(behind || in_front) || (may_be_own && plane == plane_in(own, cell))) return PlaneRelation::on;
+    return behind && in_front ? PlaneRelation::crossing : behind ? PlaneRelation::behind : PlaneRelation::in_front;
+}
+
 /// The contents of one cell, instances first.
 class ClippedItems {
   public:
@@ -55,35 +100,11 @@ class ClippedItems {
     }
     glm::vec3 normal(std::size_t i) const { return planes_[items_[i].polygon].normal; }
     /// The plane that a polygon lies in.
-    CuttingPlane plane_of(std::size_t i, const Cell& cell) const {
-        const SupportingPlane& p = planes_[items_[i].polygon];
-        return {p.normal, float(p.offset - glm::dot(glm::dvec3(p.normal), glm::dvec3(cell.center)))};
-    }
-
-    /// `local_plane` is `plane` in the cell. Pieces of the polygon that it was laid through lie on it, however their
-    /// corners were rounded. An instance as thin as the plane counts as in front of it: it is never `on`.
+    CuttingPlane plane_of(std::size_t i, const Cell& cell) const { return plane_in(planes_[items_[i].polygon], cell); }
+    /// See relation_of.
     PlaneRelation relation(std::size_t i, const CuttingPlane& plane, const LocalPlane& local_plane,
                            const Cell& cell) const {
-        const ClippedItem& item = items_[i];
-        const glm::dvec3 lower(item.bounds.lower), upper(item.bounds.upper);
-        const double middle = 0.5 * (local_plane.height(item.bounds.lower) + local_plane.height(item.bounds.upper));
-        const double reach = 0.5 * glm::dot(glm::abs(local_plane.normal()), upper - lower);
-        const double tolerance = local_plane.tolerance();
-        if (item.corners == 0) {
-            if (middle - reach >= -tolerance) return PlaneRelation::in_front;
-            return middle + reach <= tolerance ? PlaneRelation::behind : PlaneRelation::crossing;
-        }
-        const bool may_be_own = plane.normal == planes_[item.polygon].normal;
-        if (!may_be_own && middle - reach > tolerance) return PlaneRelation::in_front;
-        if (!may_be_own && middle + reach < -tolerance) return PlaneRelation::behind;
-        bool behind = false, in_front = false;
-        for (const Corner& c : polygon(i)) {
-            const double h = local_plane.height(c.position);
-            behind = behind || h < -tolerance;
-            in_front = in_front || h > tolerance;
-        }
-        if (!(behind || in_front) || (may_be_own && plane == plane_of(i, cell))) return PlaneRelation::on;
-        return behind && in_front ? PlaneRelation::crossing : behind ? PlaneRelation::behind : PlaneRelation::in_front;
+        return relation_of(items_[i], polygon(i), planes_[items_[i].polygon], plane, local_plane, cell);
     }
 
     /// Whether any order of the items is right, from wherever they are seen: one item, or polygons in one plane.

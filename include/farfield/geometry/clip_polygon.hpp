@@ -43,9 +43,17 @@ class LocalPlane {
     }
 
     const glm::dvec3& normal() const { return normal_; }
+    /// The axis that the normal lies along, or -1.
+    int axis() const {
+        if (normal_.y == 0 && normal_.z == 0) return 0;
+        if (normal_.x == 0) return normal_.z == 0 ? 1 : normal_.y == 0 ? 2 : -1;
+        return -1;
+    }
     /// Points no farther from the plane than this lie on it.
     double tolerance() const { return tolerance_; }
     double height(glm::vec3 p) const { return glm::dot(normal_, glm::dvec3(p)) - offset_; }
+    /// The same number where the normal lies along that axis.
+    double height_along(int axis, glm::vec3 p) const { return normal_[axis] * double(p[axis]) - offset_; }
     /// The height, or 0 where the point counts as on the plane.
     double height_or_on(glm::vec3 p) const {
         const double h = height(p);

@@ -11,6 +11,9 @@ namespace farfield {
 struct BuildReport {
     std::uint64_t primitives = 0;
     std::uint64_t items = 0;  ///< primitives counted once for every cell that has them; of what is cut, fragments
+    /// Polygons that a partition was given to cut, and pieces that became of them: pieces / polygons is how much more
+    /// there is to draw. 0 where nothing is cut. Instances are neither.
+    std::uint64_t polygons = 0, pieces = 0;
     std::uint32_t nodes = 0;  ///< cells that are not empty
     std::uint32_t leaves = 0;
     std::uint32_t levels = 0;

@@ -21,7 +21,7 @@
 
 namespace farfield::detail {
 
-inline constexpr std::size_t most_fields = 16;
+inline constexpr std::size_t most_fields = 18;
 inline constexpr std::size_t not_numbers = std::numeric_limits<std::size_t>::max();
 
 struct AnyField {
@@ -49,7 +49,7 @@ template <class T>
 constexpr auto fields_of(T& v) {
     constexpr std::size_t n = field_count<std::remove_const_t<T>>();
     static_assert(n > 0 && n <= most_fields,
-                  "farfield: to be stored in files, an aggregate may have 16 fields at most");
+                  "farfield: to be stored in files, an aggregate may have 18 fields at most");
 #define FARFIELD_FIELDS(count, ...)   \
     if constexpr (n == count) {       \
         auto& [__VA_ARGS__] = v;      \
@@ -71,6 +71,8 @@ constexpr auto fields_of(T& v) {
     FARFIELD_FIELDS(14, a, b, c, d, e, f, g, h, i, j, k, l, m, o)
     FARFIELD_FIELDS(15, a, b, c, d, e, f, g, h, i, j, k, l, m, o, p)
     FARFIELD_FIELDS(16, a, b, c, d, e, f, g, h, i, j, k, l, m, o, p, q)
+    FARFIELD_FIELDS(17, a, b, c, d, e, f, g, h, i, j, k, l, m, o, p, q, r)
+    FARFIELD_FIELDS(18, a, b, c, d, e, f, g, h, i, j, k, l, m, o, p, q, r, s)
     return std::tuple<>();
 #undef FARFIELD_FIELDS
 }

@@ -1,9 +1,9 @@
 // The layout of a hierarchy's file, and the questions that policies must answer to be stored.
 //
-// This is version 3, which added the light that stand-ins have. Numbers are in the byte order of the machine that wrote
+// This is version 4, which counts polygons and pieces. Numbers are in the byte order of the machine that wrote
 // them, which `byte_order` tells; a machine of the other order refuses the file.
 //
-//     0    FileHeader, 648 bytes
+//     0    FileHeader, 664 bytes
 //     704  sections, each at the next multiple of 64 bytes; bytes between them are 0; nothing follows the last
 //
 //     section                 records                               bytes a record
@@ -93,7 +93,7 @@ namespace detail {
 
 /// The first byte is not text, and programs that damage line ends damage these (after PNG's signature).
 inline constexpr std::array<std::uint8_t, 8> file_magic{0x89, 'F', 'F', 'H', '\r', '\n', 0x1a, '\n'};
-inline constexpr std::uint32_t file_version = 3;
+inline constexpr std::uint32_t file_version = 4;
 inline constexpr std::uint32_t file_byte_order = 0x01020304u;
 inline constexpr std::uint64_t section_alignment = 64;
 
@@ -136,7 +136,7 @@ struct FileHeader {
     std::array<std::uint8_t, 8> magic = file_magic;
     std::uint32_t version = file_version;
     std::uint32_t byte_order = file_byte_order;
-    std::uint32_t header_bytes = 648;
+    std::uint32_t header_bytes = 664;
     std::uint32_t partition_tag = 0;
     std::uint32_t approximation_tag = 0;
     std::uint32_t cost_tag = 0;
@@ -148,8 +148,8 @@ struct FileHeader {
 
 // A change of any of these is a new file_version.
 static_assert(!vectors_are_packed ||
-              (sizeof(Node) == 16 && sizeof(Cell) == 52 && sizeof(Work) == 28 && sizeof(BuildReport) == 72 &&
-               sizeof(DirectionalLight) == 20 && sizeof(FileHeader) == 648 && offsetof(FileHeader, checksum) == 640 &&
+              (sizeof(Node) == 16 && sizeof(Cell) == 52 && sizeof(Work) == 28 && sizeof(BuildReport) == 88 &&
+               sizeof(DirectionalLight) == 20 && sizeof(FileHeader) == 664 && offsetof(FileHeader, checksum) == 656 &&
                WithoutPadding<SectionEntry> && WithoutPadding<HierarchyFacts> && WithoutPadding<FileHeader>));
 
 constexpr std::uint64_t next_section(std::uint64_t offset) {
