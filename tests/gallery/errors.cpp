@@ -44,8 +44,7 @@ TEST_CASE("gallery: error falls as tolerance falls, to none at all") {
                 INFO(subject.name << ": " << variant.name << ", from " << glm::length(views[v].camera.eye)
                                   << ", errors at 4 to 0.25 pixels: " << errors[0] << " " << errors[1] << " "
                                   << errors[2]);
-                if (!is_known_to_lose(variant, subject) && !is_known_to_alternate(variant, subject) &&
-                    !is_known_to_miss(variant, subject)) {
+                if (!is_known_to_lose(variant, subject) && !is_known_to_alternate(variant, subject)) {
                     const double slack = is_known_to_fall_apart(variant, subject) ? 1.0 / 255 : 0.5 / 255;
                     for (std::size_t i = 1; i < errors.size(); ++i) {
                         CHECK(errors[i] <= 1.05 * errors[i - 1] + slack);
@@ -78,27 +77,6 @@ TEST_CASE("gallery: tensors over slats may be worse with cells of one pixel than
                          coarse = rms_difference(h->picture(subject.view(10, 32, 4), finest), exact);
             worse += fine > 1.05 * coarse + 0.5 / 255;
             CHECK(fine < 0.1);
-        }
-    }
-    CHECK(worse > 0);
-}
-
-TEST_CASE("gallery: clusters in cells of BSPs miss slats, as they are known to") {
-    const ZBufferOptions finest{.samples = 64};
-    int worse = 0;
-    for (const Subject& subject : subjects(8000, {0.5f, 0.75f})) {
-        const Image exact = plain_picture<Triangle>(subject.triangles, subject.view(10, 32, 0), finest);
-        for (const test::Variant& variant : gallery_variants()) {
-            if (!is_known_to_miss(variant, subject)) continue;
-            INFO(subject.name << ": " << variant.name);
-            const auto h = variant.build(subject.triangles);
-            const double fine = rms_difference(h->picture(subject.view(10, 32, 1), finest), exact),
-                         coarse = rms_difference(h->picture(subject.view(10, 32, 4), finest), exact),
-                         // A picture of nothing.
-                none = rms_difference(Image(exact.width(), exact.height()), exact);
-            worse += fine > 1.05 * coarse + 0.5 / 255;
-            CHECK(fine < none);
-            CHECK(coarse < none);
         }
     }
     CHECK(worse > 0);

@@ -88,15 +88,6 @@ inline bool is_known_to_alternate(const Variant& variant, const Subject& subject
            (subject.name.rfind("slats", 0) == 0 || subject.name == "wall 0.00");
 }
 
-/// Clusters in cells of BSPs over slats. A cell ends where slats end, so that its eight rows of points lie almost a
-/// whole number of slats apart and all of them, or none, hit one: what a cell gets right or wrong so says nothing about
-/// its parent. (It does not take certain planes: with those of polygons, which cut slats into rows two units long, the
-/// same is seen where slats are a quarter as long.) See is_known_to_vanish.
-inline bool is_known_to_miss(const Variant& variant, const Subject& subject) {
-    return variant.is_clipped && variant.name.find("ColorCubeCluster") != std::string::npos &&
-           subject.name.rfind("slats", 0) == 0;
-}
-
 /// Tensors in cells of BSPs over twigs: the sides of one twig come into cells of their own, and those at its back are
 /// deposited too. The smaller the cells, the more: 1.2 to 1.5 times what twigs cover at a tolerance of 4, 1.5 to 1.75
 /// at

@@ -42,7 +42,7 @@ class PlaneChoice {
         take_boxes();
         gather_faces();
         const Candidate& first = *cheapest();
-        if (first.is_good && divides(first.plane())) {
+        if (first.is_good && !share_a_plane() && divides(first.plane())) {
             chosen = first.plane();
             return true;
         }
@@ -235,6 +235,19 @@ class PlaneChoice {
         return glm::vec3(c & 1 ? box.upper.x : box.lower.x, c & 2 ? box.upper.y : box.lower.y,
                          c & 4 ? box.upper.z : box.lower.z) -
                cell_.center;
+    }
+
+    /// Whether some plane that is not across an axis seems to hold many items, more than a triangle and its other half:
+    /// it may be worth more than any that is, and keeps a surface whole (slats, roofs).
+    bool share_a_plane() {
+        const std::size_t polygons = items_.size() - items_.instances();
+        for (std::size_t i = 1; i <= 2 && polygons >= 8; ++i) {
+            const std::size_t item = items_.instances() + i * polygons / 3;
+            const Box& box = items_[item].bounds;
+            if (box.lower.x == box.upper.x || box.lower.y == box.upper.y || box.lower.z == box.upper.z) continue;
+            if (sides_of_corners(items_.plane_of(item, cell_)).on > 2) return true;
+        }
+        return false;
     }
 
     void gather_planes() {
