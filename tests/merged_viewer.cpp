@@ -25,7 +25,7 @@
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
 #include "support/strict_order.hpp"
-#include "support/tilers.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 
 namespace farfield::test {
 namespace {

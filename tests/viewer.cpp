@@ -22,7 +22,7 @@
 #include "farfield/renderer/hierarchical_z_renderer.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/variants.hpp"
 
 using namespace farfield;

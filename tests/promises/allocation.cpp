@@ -19,7 +19,7 @@
 #include "support/allocations.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/variants.hpp"
 
 namespace farfield::test {

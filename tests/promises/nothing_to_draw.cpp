@@ -25,7 +25,7 @@
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/views.hpp"
 
 using namespace farfield;

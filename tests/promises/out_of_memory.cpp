@@ -35,7 +35,7 @@
 #include "farfield/viewer.hpp"
 #include "support/allocations.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/variants.hpp"
 #include "support/views.hpp"
 

@@ -23,7 +23,7 @@
 #include "support/pictures.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 
 namespace farfield::test {
 namespace {
