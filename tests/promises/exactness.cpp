@@ -1,5 +1,6 @@
 // Without tolerance a hierarchy must change nothing: every composable triple against a plain loop over the primitives.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
