@@ -22,10 +22,10 @@
 #include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
 #include "support/strict_order.hpp"
-#include "support/tilers.hpp"
 
 namespace farfield::test {
 namespace {

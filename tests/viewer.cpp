@@ -20,9 +20,9 @@
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/renderer/hierarchical_z_renderer.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
 #include "support/variants.hpp"
 
 using namespace farfield;

@@ -13,12 +13,12 @@
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/primitive/instance.hpp"
-#include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/renderer/hierarchical_z_renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/storage/open.hpp"
 #include "farfield/storage/save.hpp"
 #include "farfield/viewer.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/recorder.hpp"
 #include "support/scenes.hpp"
 

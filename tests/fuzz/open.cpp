@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/storage/save.hpp"
 #include "fuzz/fuzz.hpp"
 #include "fuzz/input.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "storage/files.hpp"
 
 namespace farfield::fuzz {

@@ -16,10 +16,10 @@
 #include "farfield/primitive/instance.hpp"
 #include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/viewer.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/allocations.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
 #include "support/variants.hpp"
 
 namespace farfield::test {

@@ -19,8 +19,9 @@
 #include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
+#include "support/pictures.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
 #include "support/views.hpp"
 
 using namespace farfield;
@@ -165,12 +166,6 @@ Image picture(const H& hierarchy, const P& primitives, const View& view, const O
     auto viewer = make_viewer(hierarchy, primitives, renderer);
     viewer.frame(view);
     return renderer.image();
-}
-
-std::size_t different_pixels(const Image& a, const Image& b) {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < a.pixels().size(); ++i) count += a.pixels()[i] != b.pixels()[i] ? 1u : 0u;
-    return count;
 }
 
 template <class Partition>

@@ -24,8 +24,8 @@
 #include "farfield/renderer/painter_renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
 #include "support/views.hpp"
 
 using namespace farfield;

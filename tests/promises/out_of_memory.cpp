@@ -33,9 +33,9 @@
 #include "farfield/storage/open.hpp"
 #include "farfield/storage/save.hpp"
 #include "farfield/viewer.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/allocations.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
 #include "support/variants.hpp"
 #include "support/views.hpp"
 

@@ -19,11 +19,11 @@
 #include "farfield/raster/polygon_clip.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "support/masks.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
-#include "support/tilers.hpp"
 
 namespace farfield::test {
 namespace {

@@ -1,12 +1,13 @@
 // Coverage masks as an AnyRenderer: each order is four types of tilers, each for four instruction sets. Hence a file an
-// order, of half a minute.
+// order.
 #pragma once
 
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
-#include "farfield/renderer/coverage_renderer.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 #include "scenes/renderers/renderer_behind.hpp"
 
 namespace farfield::scenes {
@@ -34,7 +35,10 @@ inline CoverageOptions coverage_options(const RendererChoice& choice) {
 template <class Order, class Samples>
 std::unique_ptr<AnyRenderer> make_coverage_renderer_of(const RendererChoice& choice) {
     const CoverageOptions options = coverage_options(choice);
-    using Counting = BasicCoverageRenderer<CoverageTraits<Order, Samples, CoverageWork>>;
+    // The defaults are those of the ready-made renderer, whose tilers are there already.
+    constexpr bool is_ready_made = std::is_same_v<Samples, typename Order::samples>;
+    using Counting =
+        BasicCoverageRenderer<std::conditional_t<is_ready_made, Order, CoverageTraits<Order, Samples, CoverageWork>>>;
     using Mapping = BasicCoverageRenderer<CoverageTraits<Order, Samples, CoverageWorkImage>>;
     if (choice.maps_work) return std::make_unique<RendererBehind<Mapping>>(options);
     return std::make_unique<RendererBehind<Counting>>(options);

@@ -1,4 +1,4 @@
-#include "support/tilers.hpp"
+#include "scenes/renderers/coverage_tilers.hpp"
 
 namespace farfield::detail {
 
