@@ -1,5 +1,5 @@
 // Which variant should a scene be drawn with, and at which tolerance? advise() tries them. Beside this header,
-// error_table.hpp and calibrate.hpp look at a clock, and no others.
+// calibrate.hpp, error_table.hpp and measure_error_table.hpp look at a clock, and no others.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -24,7 +24,7 @@
 #include "farfield/partition/octree.hpp"
 #include "farfield/primitive.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
-#include "farfield/tuning/error_table.hpp"
+#include "farfield/tuning/measure_error_table.hpp"
 #include "farfield/tuning/variants.hpp"
 #include "farfield/viewer.hpp"
 
