@@ -170,7 +170,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     app.add_option("--angle", options.angle_degrees, "degrees off the front, about the up axis")->type_name("DEG");
     const auto* const error_option =
         app.add_option(
-               "--error", error,
+               "--error", wanted_error,
                "what tolerances are chosen by: point-sampling (no more error than exact has at these samples), an "
                "RMSE of colors from 0 to 1, or none (1 px); exact is drawn where nothing pays")
             ->type_name("WHAT");
