@@ -32,7 +32,7 @@ if [[ $# -gt 0 ]]; then
     draw island opacity-tensor "$@"
     exit
 fi
-draw quadrupled-forest opacity-tensor,color-cube --frames 24
+draw quadrupled-forest opacity-tensor --frames 24
 draw island opacity-tensor,color-cube,color-cube-cluster --frames 24
 echo
 echo "exact | with stand-ins | what is drawn how (gray: triangles; tinted by level: stand-ins):"

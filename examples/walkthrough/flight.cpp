@@ -167,8 +167,8 @@ Flight plan_flight(const Setting& setting, const Options& options) {
     if (setting.descent) {
         const auto& [from, to] = *setting.descent;
         flight.cameras = fly_down(from, to, glm::dvec3(frame.up), options.frames);
-        // Exact frames of what one descends to may take seconds. The first and the last are among them.
-        const int pictures = std::min(options.frames, 4);
+        // Few, for exact frames of what one descends to may take seconds. The first and the last are among them.
+        const int pictures = std::min(options.frames, 3);
         for (int i = 0; i < pictures; ++i) {
             flight.quality_frames.push_back(pictures > 1 ? i * (options.frames - 1) / (pictures - 1) : 0);
         }

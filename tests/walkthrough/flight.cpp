@@ -59,7 +59,7 @@ TEST_CASE("a descent begins and ends where the setting says, and sinks all the w
         CHECK(is_camera(flight.cameras[i]));
         if (i > 0) CHECK(flight.cameras[i].eye.y < flight.cameras[i - 1].eye.y);
     }
-    CHECK(flight.quality_frames == std::vector<int>{0, 7, 15, 23});
+    CHECK(flight.quality_frames == std::vector<int>{0, 11, 23});
     CHECK(plan_flight(setting, frames(1)).quality_frames == std::vector<int>{0});
     CHECK(plan_flight(setting, frames(2)).quality_frames == std::vector<int>{0, 1});
 }
