@@ -16,7 +16,9 @@ farfield_install "${farfield_packages[@]}"
 build="${BUILD_DIR:-$repository/build/examples${CXX:+-${CXX##*/}}}"
 out="$repository/out"
 
-farfield_configure "$repository" "$build" -DCMAKE_BUILD_TYPE=Release \
+# Whoever asks for something may ask for any variant and renderer, of which not all are shown unasked.
+first_look=$([[ $# -gt 0 ]] && echo OFF || echo ON)
+farfield_configure "$repository" "$build" -DCMAKE_BUILD_TYPE=Release -DFARFIELD_FIRST_LOOK="$first_look" \
     -DFARFIELD_BUILD_TESTS=OFF -DFARFIELD_BUILD_EXAMPLES=ON -DFARFIELD_BUILD_BENCH=OFF
 cmake --build "$build" --parallel "${JOBS:-$(nproc)}" --target walkthrough
 echo "built in $SECONDS s"
