@@ -73,9 +73,8 @@ class ErrorTable {
         }
         if (!good) {
             detail::fail<std::invalid_argument>(
-                "farfield::ErrorTable: tolerances must ascend from 0, errors and costs be 0 or more and finite, and "
-                "the "
-                "least saving be from 0 to below 1");
+                "farfield::ErrorTable: tolerances must ascend from 0, errors and costs be 0 or more, and the least "
+                "saving from 0 to below 1, all finite");
         }
     }
 
