@@ -24,8 +24,7 @@ struct View {
     Camera camera;
     int width = 512;  ///< image size in pixels
     int height = 512;
-    /// A stand-in is drawn where its error is at most this many pixels; 0 draws every primitive exactly. What that does
-    /// to the picture depends on the scene: measure_error_table() says which tolerance keeps an error.
+    /// A stand-in is drawn where its error is at most this many pixels; 0 draws every primitive exactly.
     float tolerance_px = 1;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
 
