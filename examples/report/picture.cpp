@@ -35,6 +35,20 @@ Image difference(const Image& a, const Image& b) {
     return result;
 }
 
+Image side_by_side(std::span<const Image> images, int gap) {
+    int width = -gap;
+    for (const Image& image : images) width += image.width() + gap;
+    Image result(width, images.front().height(), {255, 255, 255, 255});
+    int left = 0;
+    for (const Image& image : images) {
+        for (int y = 0; y < image.height(); ++y) {
+            for (int x = 0; x < image.width(); ++x) result.at(left + x, y) = image.at(x, y);
+        }
+        left += image.width() + gap;
+    }
+    return result;
+}
+
 Image work_image(const WorkMap& map, int width, int height) {
     Image result(width, height);
     int side = 1;  // of a square: a power of 2

@@ -23,6 +23,9 @@ inline constexpr int difference_gain = 4;
 /// Absolute differences of each channel times difference_gain, opaque, black where equal. Of one size.
 Image difference(const Image& a, const Image& b);
 
+/// From left to right, with lines of `gap` white pixels between. At least one, all of one height.
+Image side_by_side(std::span<const Image> images, int gap);
+
 /// How often something was visited, row by row: a value for each pixel, or for each square of them.
 struct WorkMap {
     std::span<const float> visits;

@@ -131,6 +131,20 @@ std::vector<Camera> fly_around(const Setting& setting, const FrameOfReference& f
     return cameras;
 }
 
+/// Straight down from one camera to the other. Each frame is lower by the same factor, so that things grow evenly.
+std::vector<Camera> fly_down(const Camera& from, const Camera& to, glm::dvec3 up, int frames) {
+    const double high = glm::dot(from.eye, up), low = glm::dot(to.eye, up);
+    std::vector<Camera> cameras;
+    for (int i = 0; i < frames; ++i) {
+        const double t = frames > 1 ? double(i) / (frames - 1) : 0;
+        const double height = high * std::pow(low / high, t);
+        const glm::dvec3 eye = glm::mix(to.eye, from.eye, (height - low) / (high - low));
+        const glm::dvec3 forward = glm::mix(glm::dvec3(from.forward), glm::dvec3(to.forward), t);
+        cameras.push_back(Camera::perspective(eye, eye + forward, glm::vec3(up), field_of_view));
+    }
+    return cameras;
+}
+
 Camera look_at_center(const Setting& setting, const FrameOfReference& frame, double distance, double angle_degrees) {
     const glm::dvec3 center(setting.bounds.center());
     const double radius = double(radius_of(in_units(setting.bounds, frame), frame)) * std::ldexp(1.0, frame.exponent);
@@ -148,6 +162,16 @@ Flight plan_flight(const Setting& setting, const Options& options) {
         flight.cameras.assign(std::size_t(options.frames),
                               look_at_center(setting, frame, *options.distance, options.angle_degrees));
         flight.quality_frames = {0};
+        return flight;
+    }
+    if (setting.descent) {
+        const auto& [from, to] = *setting.descent;
+        flight.cameras = fly_down(from, to, glm::dvec3(frame.up), options.frames);
+        // Few, for exact frames of what one descends to may take seconds. The first and the last are among them.
+        const int pictures = std::min(options.frames, 3);
+        for (int i = 0; i < pictures; ++i) {
+            flight.quality_frames.push_back(pictures > 1 ? i * (options.frames - 1) / (pictures - 1) : 0);
+        }
         return flight;
     }
     const glm::vec3 size = in_units(setting.bounds, frame).size();

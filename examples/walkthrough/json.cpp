@@ -22,10 +22,21 @@ Json json_of(const std::optional<CoverageCells>& c) {
             {"cells_a_pixel", {{"tiling", c->tiling}, {"asking", c->asking}}}};
 }
 
-Json json_of(const Result& r) {
+Json json_of(const std::optional<farfield::ErrorTable>& table) {
+    if (!table) return nullptr;
+    Json trials = Json::array();
+    for (const farfield::ToleranceTrial& t : table->trials()) {
+        trials.push_back({{"tolerance_px", t.tolerance_px}, {"rmse", t.rmse}, {"cost", t.cost}});
+    }
+    return trials;
+}
+
+Json json_of(const Result& r, const Options& options) {
     const Errors& e = r.errors;
     return {{"name", r.name},
             {"renderer", name_of(r.renderer)},
+            {"tolerance_px", r.choice ? r.choice->trial.tolerance_px : options.tolerance_px},
+            {"error_table", json_of(r.table)},
             {"build_seconds", r.build.seconds},
             {"hierarchy_bytes", r.build.bytes},
             {"cells", r.build.cells},
@@ -67,7 +78,7 @@ void write_json(const std::filesystem::path& file, const Setting& setting, const
                 {"bytes", farfield::scenes::bytes(setting.scene)}}},
               {"image", {{"width", options.width}, {"height", options.height}, {"frames", options.frames}}},
               {"variants", Json::array()}};
-    for (const Result& r : results) json["variants"].push_back(json_of(r));
+    for (const Result& r : results) json["variants"].push_back(json_of(r, options));
     std::ofstream out(file);
     out << json.dump(2) << "\n";
     out.close();

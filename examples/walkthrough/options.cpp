@@ -112,6 +112,19 @@ RendererKind parse_renderer(std::string_view name) {
         "; --list shows those that do");
 }
 
+std::optional<farfield::WantedError> parse_error(const std::string& text) {
+    if (text == "none") return std::nullopt;
+    if (text == "point-sampling") return farfield::WantedError{};
+    double rmse = 0;
+    const char* const end = text.data() + text.size();
+    const auto number = std::from_chars(text.data(), end, rmse);
+    if (number.ec != std::errc() || number.ptr != end || !(rmse > 0 && rmse <= 1)) {
+        throw UsageError("--error must be point-sampling, none, or an RMSE above 0 and at most 1, not " +
+                         in_quotes(text));
+    }
+    return farfield::WantedError{rmse};
+}
+
 void check_numbers(const Options& options) {
     int side = 1;
     while (side * side < options.samples && side < 8) ++side;
@@ -135,7 +148,7 @@ void check_numbers(const Options& options) {
 
 std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer) {
     Options options;
-    std::string variant_names = "color-cube", renderer = "z-buffer", size, out, json;
+    std::string variant_names = "color-cube", renderer = "z-buffer", wanted_error = "point-sampling", size, out, json;
     double budget_ms = 0, distance = 0;
     bool wants_list = false;
 
@@ -155,7 +168,15 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         app.add_option("--distance", distance, "look at the scene's center from D times its radius; else fly through")
             ->type_name("D");
     app.add_option("--angle", options.angle_degrees, "degrees off the front, about the up axis")->type_name("DEG");
-    app.add_option("--tolerance", options.tolerance_px, "error in pixels that stand-ins may have")->type_name("PX");
+    const auto* const error_option =
+        app.add_option(
+               "--error", wanted_error,
+               "what tolerances are chosen by: point-sampling (no more error than exact has at these samples), an "
+               "RMSE of colors from 0 to 1, or none (1 px); exact is drawn where nothing pays")
+            ->type_name("WHAT");
+    const auto* const tolerance_option =
+        app.add_option("--tolerance", options.tolerance_px, "error in pixels that stand-ins may have; chooses nothing")
+            ->type_name("PX");
     const auto* const budget_option =
         app.add_option("--budget-ms", budget_ms, "not available yet: time that a frame may take")->type_name("MS");
     app.add_option("--out", out, "write pictures of up to 8 frames here")->type_name("DIR");
@@ -176,6 +197,13 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     if (budget_option->count() != 0) throw UsageError("--budget-ms is not available yet");
     options.renderer = parse_renderer(renderer);
     options.variants = parse_variants(variant_names, options.renderer);
+    options.error = parse_error(wanted_error);
+    if (tolerance_option->count() != 0) {
+        if (error_option->count() != 0 && options.error) {
+            throw UsageError("--tolerance says what --error would choose: give one of them");
+        }
+        options.error.reset();
+    }
     if (!size.empty()) parse_size(size, options);
     if (distance_option->count() != 0) options.distance = distance;
     if (app.get_option("--frames")->count() == 0) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "farfield/tuning/error_table.hpp"
 #include "scenes/renderers/renderer_choice.hpp"
 
 namespace walkthrough {
@@ -26,6 +27,8 @@ struct Options {
     int frames = 0;                  ///< above 0
     std::optional<double> distance;  ///< from the scene's center, in its radii; none: fly through
     double angle_degrees = 0;        ///< off the front, about the up axis
+    /// What each variant's tolerance is chosen by. None: all have `tolerance_px`.
+    std::optional<farfield::WantedError> error = farfield::WantedError{};
     float tolerance_px = 1;
     std::optional<std::filesystem::path> out_directory;
     std::optional<std::filesystem::path> json_file;

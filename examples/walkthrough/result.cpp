@@ -17,7 +17,7 @@ double median(std::vector<double> values) {
 }
 
 double speedup(const Result& result) {
-    return median(result.exact_ms) / median(result.frame_ms);
+    return median(result.exact_ms) / median(result.paired_ms);
 }
 
 }  // namespace walkthrough

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "errors.hpp"
+#include "farfield/tuning/error_table.hpp"
 #include "options.hpp"
 #include "scenes/built_scene.hpp"
 #include "setting.hpp"
@@ -33,7 +34,13 @@ struct Result {
     farfield::scenes::RendererKind renderer{};
     farfield::scenes::BuildFacts build;
     std::vector<double> frame_ms;  ///< in the order in which they were drawn
-    std::vector<double> exact_ms;  ///< of exact, each right before the variant's
+    /// Of exact and of the variant, of the same frames: all, each pair in turn, or where exact is slow only those that
+    /// are compared.
+    std::vector<double> exact_ms, paired_ms;
+    /// Over the frames that are compared; none where no tolerance was chosen.
+    std::optional<farfield::ErrorTable> table;
+    std::optional<farfield::ToleranceChoice> choice;  ///< from the table
+    double exact_compared_ms = 0;                     ///< mean of the table's exact frames
     Drawn drawn;
     std::optional<CoverageCells> coverage;  ///< none of other renderers
     Errors errors;
@@ -41,7 +48,7 @@ struct Result {
 
 double mean(const std::vector<double>& values);
 double median(std::vector<double> values);
-/// Median exact frame over median frame.
+/// Median exact frame over median frame, of those in pairs.
 double speedup(const Result& result);
 
 /// Aligned columns for people.

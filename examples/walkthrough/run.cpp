@@ -7,7 +7,9 @@
 #include <string>
 
 #include "farfield/build.hpp"
+#include "farfield/measure/image_error.hpp"
 #include "farfield/measure/projected_rect.hpp"
+#include "farfield/tuning/error_table.hpp"
 #include "report/picture.hpp"
 #include "report/progress.hpp"
 #include "variants.hpp"
@@ -30,6 +32,13 @@ struct Reference {
     Image image;
     Image over_background;
     std::optional<farfield::PixelRect> rect;  ///< what is compared; none: all
+};
+
+/// Exact at the samples that are timed, of a frame that is compared.
+struct ExactFrame {
+    double ms = 0;
+    Image over_background;
+    double mse = 0;
 };
 
 class Run {
@@ -56,21 +65,20 @@ class Run {
     }
 
     /// Throws UsageError where what was built turns out not to be in the order that the renderer needs.
-    std::unique_ptr<SceneViewer> viewer_of(const BuiltScene& built, const Variant& variant,
-                                           bool maps_work = false) const {
+    std::unique_ptr<SceneViewer> viewer_of(const BuiltScene& built, const Variant& variant) const {
         try {
-            return built.viewer(renderer(options_.renderer, options_.samples, maps_work));
+            return built.viewer(renderer(options_.renderer, options_.samples));
         } catch (const std::invalid_argument& error) {
             throw UsageError("the renderer '" + std::string(name_of(options_.renderer)) + "' cannot draw '" +
                              std::string(variant.name) + "' of this scene: " + error.what());
         }
     }
 
-    View view_of(int frame, farfield::DistanceMeasure distance = {}) const {
+    View view_of(int frame, float tolerance_px, farfield::DistanceMeasure distance = {}) const {
         return {.camera = flight_.cameras[std::size_t(frame)],
                 .width = options_.width,
                 .height = options_.height,
-                .tolerance_px = options_.tolerance_px,
+                .tolerance_px = tolerance_px,
                 .distance = distance};
     }
 
@@ -79,7 +87,7 @@ class Run {
         const auto viewer = exact_->viewer(renderer(RendererKind::z_buffer, 64));
         progress_.begin("drawing references", int(flight_.quality_frames.size()));
         for (const int frame : flight_.quality_frames) {
-            const View view = view_of(frame);
+            const View view = view_of(frame, 0);
             viewer->frame(view);
             const Image& image = viewer->image();
             Reference reference{frame, image, report::over_background(image, setting_.background), std::nullopt};
@@ -91,38 +99,128 @@ class Run {
     }
 
     Result result_of(const Variant& variant) {
-        const bool is_exact = &variant == &variants().front();
+        if (&variant == &variants().front()) return result_of_exact(variant);
         Result result;
         result.name = variant.name;
-        std::unique_ptr<BuiltScene> built;
-        std::unique_ptr<SceneViewer> viewer;
-        if (!is_exact) {
-            progress_.begin("building " + result.name);
-            built = variant.build(setting_.scene);
-            viewer = viewer_of(*built, variant);
+        progress_.begin("building " + result.name);
+        std::unique_ptr<BuiltScene> built = variant.build(setting_.scene);
+        std::unique_ptr<SceneViewer> own = viewer_of(*built, variant);
+        result.build = built->facts();
+        float tolerance_px = options_.tolerance_px;
+        if (options_.error) {
+            choose(*own, variant, result);
+            tolerance_px = result.choice->trial.tolerance_px;
         }
-        result.build = (is_exact ? exact_ : built)->facts();
-        result.renderer = is_exact ? exact_renderer_ : options_.renderer;
+        const bool draws_exact = result.choice && result.choice->is_exact();
+        if (draws_exact) own.reset();  // it holds a copy of all triangles
+        SceneViewer& viewer = draws_exact ? *exact_viewer_ : *own;
+        result.renderer = draws_exact ? exact_renderer_ : options_.renderer;
         progress_.begin("drawing " + result.name, options_.frames);
-        auto reference = references_.begin();
+        auto compared = references_.begin();
         for (int frame = 0; frame < options_.frames; ++frame) {
-            FrameStats stats;
-            result.exact_ms.push_back(timed(*exact_viewer_, view_of(frame), stats));
-            result.frame_ms.push_back(is_exact ? result.exact_ms.back()
-                                               : timed(*viewer, view_of(frame, variant.distance), stats));
-            add(stats, result.drawn);
-            add((is_exact ? exact_viewer_ : viewer)->work(), result);
-            if (reference != references_.end() && reference->frame == frame) {
-                compare((is_exact ? exact_viewer_ : viewer)->image(), *reference++, result);
-            }
+            const bool is_compared = compared != references_.end() && compared->frame == frame;
             progress_.step();
+            if (exact_is_slow_ && draws_exact && !is_compared) continue;
+            FrameStats stats;
+            if (!exact_is_slow_) result.exact_ms.push_back(timed(*exact_viewer_, view_of(frame, 0), stats));
+            result.frame_ms.push_back(timed(viewer, view_of(frame, tolerance_px, variant.distance), stats));
+            if (!exact_is_slow_ || is_compared) result.paired_ms.push_back(result.frame_ms.back());
+            if (exact_is_slow_ && is_compared)
+                result.exact_ms.push_back(exact_frames_[std::size_t(compared - references_.begin())].ms);
+            add(stats, result.drawn);
+            add(viewer.work(), result);
+            if (is_compared) compare(viewer.image(), *compared++, result);
         }
-        if (!is_exact && options_.out_directory && result.drawn.approximations > 0) draw_cut(*viewer, variant);
+        scale(result);
+        if (!draws_exact && options_.out_directory && result.drawn.approximations > 0) {
+            draw_cut(viewer, variant, tolerance_px);
+        }
         if (result.coverage && options_.out_directory) {
-            viewer.reset();  // it holds a copy of all triangles
-            draw_work(*(is_exact ? exact_ : built), variant);
+            own.reset();  // it holds a copy of all triangles
+            if (draws_exact) {
+                draw_work(*exact_, exact_renderer_, variant, tolerance_px);
+            } else {
+                draw_work(*built, options_.renderer, variant, tolerance_px);
+            }
         }
         return result;
+    }
+
+    /// All frames; or where they are slow those that are compared.
+    Result result_of_exact(const Variant& exact) {
+        Result result;
+        result.name = exact.name;
+        result.build = exact_->facts();
+        result.renderer = exact_renderer_;
+        progress_.begin("drawing " + result.name, options_.frames);
+        for (int frame = 0; frame < options_.frames; ++frame) {
+            const std::size_t compared = exact_frames_.size();
+            const bool is_compared = compared < references_.size() && references_[compared].frame == frame;
+            const double expected_ms = result.frame_ms.empty() ? 0 : mean(result.frame_ms) * options_.frames;
+            progress_.step();
+            if (!is_compared && (exact_is_slow_ || expected_ms > slow_ms)) {
+                exact_is_slow_ = true;
+                continue;
+            }
+            FrameStats stats;
+            result.frame_ms.push_back(timed(*exact_viewer_, view_of(frame, 0), stats));
+            add(stats, result.drawn);
+            add(exact_viewer_->work(), result);
+            if (!is_compared) continue;
+            compare(exact_viewer_->image(), references_[compared], result);
+            Image picture = report::over_background(exact_viewer_->image(), setting_.background);
+            const double error = mse(picture, references_[compared].over_background, references_[compared].rect);
+            exact_frames_.push_back({result.frame_ms.back(), std::move(picture), error});
+        }
+        result.exact_ms = result.paired_ms = result.frame_ms;
+        scale(result);
+        if (result.coverage && options_.out_directory) draw_work(*exact_, exact_renderer_, exact, 0);
+        return result;
+    }
+
+    /// Frames that are compared, at any tolerance; exact at 0.
+    class Trials {
+      public:
+        Trials(Run& run, SceneViewer& far, const Variant& variant)
+            : run_(run), far_(far), variant_(variant), exact_ms_(run.references_.size(), 0) {}
+
+        double draw(std::size_t i, float tolerance_px) {
+            is_exact_ = tolerance_px == 0;
+            const int frame = run_.references_[i].frame;
+            FrameStats stats;
+            if (!is_exact_) return timed(far_, run_.view_of(frame, tolerance_px, variant_.distance), stats);
+            double ms = run_.exact_frames_[i].ms;
+            if (!run_.exact_is_slow_) ms = timed(*run_.exact_viewer_, run_.view_of(frame, 0), stats);
+            exact_ms_[i] = exact_ms_[i] > 0 ? std::min(exact_ms_[i], ms) : ms;
+            return ms;
+        }
+        farfield::SquaredError error(std::size_t i) {
+            run_.progress_.step();
+            if (is_exact_) return {run_.exact_frames_[i].mse, 1};
+            const Reference& reference = run_.references_[i];
+            const Image picture = report::over_background(far_.image(), run_.setting_.background);
+            return {mse(picture, reference.over_background, reference.rect), 1};
+        }
+        /// Mean of the least of each frame.
+        double exact_ms() const { return mean(exact_ms_); }
+
+      private:
+        Run& run_;
+        SceneViewer& far_;
+        const Variant& variant_;
+        std::vector<double> exact_ms_;
+        bool is_exact_ = false;
+    };
+
+    void choose(SceneViewer& viewer, const Variant& variant, Result& result) {
+        // Coarser ones are blocks that an eye tells apart, though a mean of squares forgives them.
+        const farfield::ErrorTableOptions ladder{.tolerances_px = farfield::tolerance_ladder(0.5f, 4), .seconds = 0.1};
+        progress_.begin("choosing the tolerance of " + result.name,
+                        int(references_.size() * (ladder.tolerances_px.size() + 1)));
+        Trials trials(*this, viewer, variant);
+        result.table = farfield::measure_error_table(trials, references_.size(), ladder);
+        result.choice = result.table->tolerance_for(*options_.error);
+        result.exact_compared_ms = trials.exact_ms();
     }
 
     static double timed(SceneViewer& viewer, const View& view, FrameStats& stats) {
@@ -131,36 +229,47 @@ class Run {
         return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     }
 
-    void add(const FrameStats& stats, Drawn& drawn) const {
-        const double weight = 1.0 / options_.frames;
-        drawn.primitives += weight * double(stats.primitives);
-        drawn.approximations += weight * double(stats.approximations);
-        drawn.cells_visited += weight * double(stats.cells_visited);
-        drawn.touched_bytes += weight * double(stats.touched_bytes);
+    /// Sums, until scale() makes means of them.
+    static void add(const FrameStats& stats, Drawn& drawn) {
+        drawn.primitives += double(stats.primitives);
+        drawn.approximations += double(stats.approximations);
+        drawn.cells_visited += double(stats.cells_visited);
+        drawn.touched_bytes += double(stats.touched_bytes);
         auto& by_level = drawn.approximations_by_level;
         for (std::size_t level = 0; level < FrameStats::max_levels; ++level) {
             if (stats.approximations_by_level[level] == 0) continue;
             by_level.resize(std::max(by_level.size(), level + 1));
-            by_level[level] += weight * double(stats.approximations_by_level[level]);
+            by_level[level] += double(stats.approximations_by_level[level]);
         }
     }
 
     /// Null where none is counted.
-    void add(const farfield::CoverageWork* work, Result& result) const {
+    static void add(const farfield::CoverageWork* work, Result& result) {
         if (work == nullptr) return;
         if (!result.coverage) result.coverage = CoverageCells{result.build.keeps_strict_order};
-        const double weight = 1.0 / options_.frames / options_.width / options_.height;
-        result.coverage->tiling += weight * double(work->cells_tiled);
-        result.coverage->asking += weight * double(work->cells_asked);
+        result.coverage->tiling += double(work->cells_tiled);
+        result.coverage->asking += double(work->cells_asked);
+    }
+
+    void scale(Result& result) const {
+        const double weight = 1.0 / double(result.frame_ms.size());
+        Drawn& drawn = result.drawn;
+        for (double* sum : {&drawn.primitives, &drawn.approximations, &drawn.cells_visited, &drawn.touched_bytes})
+            *sum *= weight;
+        for (double& sum : drawn.approximations_by_level) sum *= weight;
+        if (!result.coverage) return;
+        const double weight_a_pixel = weight / options_.width / options_.height;
+        result.coverage->tiling *= weight_a_pixel;
+        result.coverage->asking *= weight_a_pixel;
     }
 
     /// "Work images" (Greene 1996, figure 3) of the frames that are compared: by tiling polygons, by asking about
     /// cells, and their sum. Not while time is taken.
-    void draw_work(const BuiltScene& built, const Variant& variant) {
-        const auto viewer = viewer_of(built, variant, true);
+    void draw_work(const BuiltScene& built, RendererKind by, const Variant& variant, float tolerance_px) {
+        const auto viewer = built.viewer(renderer(by, options_.samples, true));
         progress_.begin("drawing the work on " + std::string(variant.name), int(flight_.quality_frames.size()));
         for (const int frame : flight_.quality_frames) {
-            viewer->frame(view_of(frame, variant.distance));
+            viewer->frame(view_of(frame, tolerance_px, variant.distance));
             const farfield::CoverageWorkImage& work = *viewer->work_map();
             std::vector<float> sum = work.tiled();
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += work.asked()[i];
@@ -176,13 +285,19 @@ class Run {
         }
     }
 
-    /// Which cells are drawn by stand-ins, and which as geometry, in the frames that are compared.
-    void draw_cut(SceneViewer& viewer, const Variant& variant) {
+    /// Which cells are drawn by stand-ins, and which as geometry, in the frames that are compared: alone, and beside
+    /// exact and the variant.
+    void draw_cut(SceneViewer& viewer, const Variant& variant, float tolerance_px) {
         progress_.begin("drawing the cut of " + std::string(variant.name), int(flight_.quality_frames.size()));
-        for (const int frame : flight_.quality_frames) {
-            const Image cut = viewer.how_drawn(view_of(frame, variant.distance));
-            report::write_png(report::over_background(cut, setting_.background),
-                              file(std::string(variant.name), frame, "_how_drawn"));
+        for (const ExactFrame& exact : exact_frames_) {
+            const int frame = references_[std::size_t(&exact - exact_frames_.data())].frame;
+            const View view = view_of(frame, tolerance_px, variant.distance);
+            const Image cut = report::over_background(viewer.how_drawn(view), setting_.background);
+            report::write_png(cut, file(std::string(variant.name), frame, "_how_drawn"));
+            viewer.frame(view);
+            const Image three[] = {exact.over_background, report::over_background(viewer.image(), setting_.background),
+                                   cut};
+            report::write_png(report::side_by_side(three, 4), file(std::string(variant.name), frame, "_side_by_side"));
             progress_.step();
         }
     }
@@ -206,10 +321,14 @@ class Run {
     const Options& options_;
     const Flight& flight_;
     report::Progress progress_;
+    static constexpr double slow_ms = 20'000;  ///< all frames of exact together
+
     std::unique_ptr<BuiltScene> exact_;
     std::unique_ptr<SceneViewer> exact_viewer_;
     RendererKind exact_renderer_ = RendererKind::z_buffer;
     std::vector<Reference> references_;
+    std::vector<ExactFrame> exact_frames_;  ///< one a reference
+    bool exact_is_slow_ = false;            ///< then it is drawn once, where it is compared
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "options.hpp"
 #include "scenes/catalog.hpp"
+#include "scenes/generate/quadrupled_forest.hpp"
 #include "scenes/load/load.hpp"
 
 namespace walkthrough {
@@ -72,6 +73,9 @@ Setting make_setting(const std::string& asked) {
         throw UsageError("'" + asked + "' has coordinates that are not finite or too large");
     const bool outdoors = generated && asked != "molecule" && asked != "tree";
     if (outdoors) setting.background = {{126, 173, 224, 255}, {222, 236, 247, 255}};
+    if (generated && asked == "quadrupled-forest") {
+        setting.descent = {farfield::scenes::aerial({}), farfield::scenes::eye_level({})};
+    }
     setting.culls_back_faces = generated ? asked == "molecule" : has_atoms(asked);
     return setting;
 }

@@ -1,8 +1,11 @@
 // The scene that was asked for, and what is known about showing it.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "farfield/camera.hpp"
 #include "farfield/geometry/box.hpp"
 #include "report/picture.hpp"
 #include "scenes/scene.hpp"
@@ -14,6 +17,8 @@ struct Setting {
     std::string name;      ///< fit for file names
     farfield::Box bounds;  ///< not empty, finite
     farfield::report::Background background;
+    /// Where a flight begins and ends that is not the one for any scene: from above down to the ground.
+    std::optional<std::pair<farfield::Camera, farfield::Camera>> descent;
     bool culls_back_faces = false;  ///< all surfaces are closed and counter-clockwise from outside
 };
 

@@ -19,13 +19,39 @@ std::string number(double value, int decimals, const char* unit = "", bool with_
     return text.str();
 }
 
+std::string tolerance(float px) {
+    std::string text = number(px, 2);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return text + " px";
+}
+
+std::string words(const farfield::ToleranceChoice& choice) {
+    switch (choice.reason) {
+        case farfield::ToleranceReason::pays:
+            return tolerance(choice.trial.tolerance_px);
+        case farfield::ToleranceReason::only_way:
+            return tolerance(choice.trial.tolerance_px) + " (exact errs more)";
+        case farfield::ToleranceReason::nothing_pays:
+            return "exact (nothing pays)";
+        case farfield::ToleranceReason::nothing_keeps:
+            return "exact (no other keeps it)";
+        case farfield::ToleranceReason::cannot_be_had:
+            return "exact (cannot be had)";
+        case farfield::ToleranceReason::nothing_tried:
+            break;
+    }
+    return "exact (nothing seen)";
+}
+
 /// Two columns more where any row has cells of coverage masks.
 Row row_of(const Result& r, double stored_primitives, bool has_cells) {
     Row row{r.name,
             number(r.build.seconds, 2),
             number(double(r.build.bytes) / stored_primitives, 1),
+            r.choice ? words(*r.choice) : "-",
             number(median(r.exact_ms), 2),
-            number(median(r.frame_ms), 2),
+            number(median(r.paired_ms), 2),
             number(speedup(r), 2, "x"),
             number(r.errors.rmse(), 4),
             number(r.errors.ssim(), 4),
@@ -46,13 +72,50 @@ std::uint64_t stored_primitives(const farfield::scenes::Scene& scene) {
     return count;
 }
 
+void print(std::ostream& out, const std::vector<Row>& rows) {
+    std::vector<std::size_t> widths(rows[0].size());
+    for (const Row& row : rows) {
+        for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+    }
+    for (const Row& row : rows) {
+        out << std::left << std::setw(int(widths[0])) << row[0] << std::right;
+        for (std::size_t c = 1; c < row.size(); ++c) out << "  " << std::setw(int(widths[c])) << row[c];
+        out << "\n";
+    }
+}
+
+/// What each variant takes to err by no more than point sampling, and than a round number.
+void print_at_equal_error(std::ostream& out, const std::vector<Result>& results) {
+    constexpr double round_rmse = 0.05;
+    std::vector<Row> rows{
+        {"at equal error", "point sampling:", "rmse", "ms", "speed-up", "rmse 0.05:", "rmse", "ms", "speed-up"}};
+    for (const Result& r : results) {
+        if (!r.table) continue;
+        Row row{r.name};
+        for (const farfield::WantedError wanted : {farfield::WantedError{}, farfield::WantedError{round_rmse}}) {
+            const farfield::ToleranceChoice choice = r.table->tolerance_for(wanted);
+            row.push_back(words(choice));
+            row.push_back(number(choice.trial.rmse, 4));
+            row.push_back(number(choice.trial.cost * r.exact_compared_ms, 2));
+            row.push_back(number(1 / choice.trial.cost, 2, "x"));
+        }
+        rows.push_back(std::move(row));
+    }
+    if (rows.size() == 1) return;
+    out << "\n";
+    print(out, rows);
+    out << "\nOver the frames that are compared: the largest tolerance that errs by no more than exact itself at "
+           "these\n"
+           "samples, and than 0.05, and costs less than exact, which else is drawn. Times are the least of several.\n";
+}
+
 }  // namespace
 
 void print_table(std::ostream& out, const Setting& setting, const Options& options,
                  const std::vector<Result>& results) {
-    std::vector<Row> rows{{"variant", "build", "bytes per", "exact", "frame", "speed-up", "rmse", "ssim", "flip",
-                           "coverage", "stand-ins", "triangles"},
-                          {"", "s", "primitive", "ms", "ms", "", "", "", "", "bias", "drawn", "drawn"}};
+    std::vector<Row> rows{{"variant", "build", "bytes per", "tolerance", "exact", "frame", "speed-up", "rmse", "ssim",
+                           "flip", "coverage", "stand-ins", "triangles"},
+                          {"", "s", "primitive", "", "ms", "ms", "", "", "", "", "bias", "drawn", "drawn"}};
     const bool has_cells =
         std::any_of(results.begin(), results.end(), [](const Result& r) { return r.coverage.has_value(); });
     if (has_cells) {
@@ -62,21 +125,18 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
         }
     }
     for (const Result& r : results) rows.push_back(row_of(r, double(stored_primitives(setting.scene)), has_cells));
-    std::vector<std::size_t> widths(rows[0].size());
-    for (const Row& row : rows) {
-        for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-    }
     out << setting.name << ": " << farfield::scenes::triangle_count(setting.scene) << " triangles, "
         << stored_primitives(setting.scene) << " primitives in " << farfield::scenes::bytes(setting.scene) << " bytes; "
         << options.width << "x" << options.height << " pixels, " << options.samples << " samples each by "
-        << name_of(options.renderer) << ", " << options.frames << " frames, " << options.tolerance_px
-        << " px tolerance\n\n";
-    for (const Row& row : rows) {
-        out << std::left << std::setw(int(widths[0])) << row[0] << std::right;
-        for (std::size_t c = 1; c < row.size(); ++c) out << "  " << std::setw(int(widths[c])) << row[c];
-        out << "\n";
-    }
-    out << "\nTimes are medians on one thread; exact is drawn right before each frame of a variant. Errors are "
+        << name_of(options.renderer) << ", " << options.frames << " frames";
+    if (!options.error) out << ", " << options.tolerance_px << " px tolerance";
+    out << "\n\n";
+    print(out, rows);
+    out << "\nTimes are medians on one thread; exact is drawn right before each frame of a variant"
+        << (results.front().frame_ms.size() < std::size_t(options.frames)
+                ? ", but as it is\nslow, only the frames that are compared, once"
+                : "")
+        << ". Errors are "
            "against\n"
            "exact at 64 samples a pixel, flip as seen at 67 pixels a degree.\n";
     if (has_cells) {
@@ -89,6 +149,7 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
         out << "Polygons cross one another so much that " << r.name << " leaves " << r.build.cells_over_piece_budget
             << " cells uncut, to stay within its memory: they are\nin no strict order.\n";
     }
+    print_at_equal_error(out, results);
     if (!results.empty() && results.front().renderer != options.renderer) {
         out << "Exact is drawn by " << name_of(results.front().renderer) << ", for it is not in the order that "
             << name_of(options.renderer) << " needs.\n";

@@ -7,13 +7,17 @@ constexpr Variant table[] = {
     {"exact", "every triangle in the frustum; the reference", exact},
     {"color-cube", "adaptive octree, blended faces made from their children's (Chamberlain et al. 1996)", color_cube},
     {"color-cube-direct", "likewise, every cell drawn instead of made from its children", color_cube_direct},
+#ifndef FARFIELD_FIRST_LOOK
     {"color-cube-shared", "likewise, triangles in every cell they touch as in the paper", color_cube_shared},
+#endif
     {"color-cube-cluster", "adaptive octree, 4 x 4 x 4 cubes a cell (Chamberlain et al. 1995)", color_cube_cluster},
     {"color-cube-1995", "octree of uniform depth, opaque faces, distance is depth (Chamberlain et al. 1995)",
      color_cube_1995, farfield::DistanceMeasure::depth},
     {"opacity-tensor", "adaptive octree, projected area in any direction, drawn by the area law", opacity_tensor},
+#ifndef FARFIELD_FIRST_LOOK
     {"bsp", "binary space partition, strictly front to back (Fuchs et al. 1980, as Greene 1996 draws it)", bsp},
     {"octree-of-bsps", "octree of such partitions (Greene 1996, section 5.1)", octree_of_bsps},
+#endif
 };
 
 }  // namespace

@@ -35,6 +35,8 @@
 #include "farfield/storage/save.hpp"
 #include "farfield/tuning/advise.hpp"
 #include "farfield/tuning/calibrate.hpp"
+#include "farfield/tuning/error_table.hpp"
+#include "farfield/tuning/measure_error_table.hpp"
 #include "farfield/tuning/variants.hpp"
 #include "farfield/version.hpp"
 #include "farfield/viewer.hpp"

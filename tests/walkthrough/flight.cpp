@@ -45,6 +45,25 @@ std::vector<VertexColoredTriangle> wall(glm::vec3 across, glm::vec3 up) {
 
 }  // namespace
 
+TEST_CASE("a descent begins and ends where the setting says, and sinks all the way") {
+    Setting setting = setting_of(wall({10, 0, 0}, {0, 1, 0}));
+    const Camera from = Camera::perspective({0, 800, 1100}, {0, 0, 0}, {0, 1, 0}, 1),
+                 to = Camera::perspective({0, 7, 514}, {50, 7, 0}, {0, 1, 0}, 1);
+    setting.descent = {from, to};
+    const Flight flight = plan_flight(setting, frames(24));
+    REQUIRE(flight.cameras.size() == 24);
+    CHECK(glm::length(flight.cameras.front().eye - from.eye) < 1e-6);
+    CHECK(glm::length(flight.cameras.back().eye - to.eye) < 1e-6);
+    CHECK(glm::length(flight.cameras.back().forward - to.forward) < 1e-5f);
+    for (std::size_t i = 0; i < 24; ++i) {
+        CHECK(is_camera(flight.cameras[i]));
+        if (i > 0) CHECK(flight.cameras[i].eye.y < flight.cameras[i - 1].eye.y);
+    }
+    CHECK(flight.quality_frames == std::vector<int>{0, 11, 23});
+    CHECK(plan_flight(setting, frames(1)).quality_frames == std::vector<int>{0});
+    CHECK(plan_flight(setting, frames(2)).quality_frames == std::vector<int>{0, 1});
+}
+
 TEST_CASE("a wall, a floor, a line and a point are flown around") {
     const std::vector<std::vector<VertexColoredTriangle>> scenes{
         wall({10, 0, 0}, {0, 1, 0}),

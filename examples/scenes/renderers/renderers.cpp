@@ -1,9 +1,24 @@
+#include <stdexcept>
+
 #include "farfield/renderer/hierarchical_z_renderer.hpp"
 #include "farfield/renderer/painter_renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "scenes/renderers/coverage_renderers.hpp"
 
 namespace farfield::scenes {
+namespace {
+
+std::unique_ptr<AnyRenderer> coverage_renderer([[maybe_unused]] const RendererChoice& choice,
+                                               [[maybe_unused]] bool is_strict) {
+#ifdef FARFIELD_FIRST_LOOK
+    throw std::invalid_argument("coverage masks are not in this program: build it with -DFARFIELD_FIRST_LOOK=OFF");
+#else
+    if (choice.masks_by_table) return make_table_coverage_renderer(choice);
+    return is_strict ? make_strict_coverage_renderer(choice) : make_lazy_coverage_renderer(choice);
+#endif
+}
+
+}  // namespace
 
 std::unique_ptr<AnyRenderer> make_renderer(const RendererChoice& choice, bool is_strict) {
     ZBufferOptions z_buffer;
@@ -18,8 +33,7 @@ std::unique_ptr<AnyRenderer> make_renderer(const RendererChoice& choice, bool is
         case RendererKind::painter:
             return std::make_unique<RendererBehind<PainterRenderer>>(painter);
         case RendererKind::coverage:
-            if (choice.masks_by_table) return make_table_coverage_renderer(choice);
-            return is_strict ? make_strict_coverage_renderer(choice) : make_lazy_coverage_renderer(choice);
+            return coverage_renderer(choice, is_strict);
         case RendererKind::z_buffer:
             break;
     }

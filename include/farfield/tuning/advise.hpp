@@ -1,5 +1,5 @@
-// Which variant should a scene be drawn with, and at which tolerance? advise() tries them. No other header than this
-// and calibrate.hpp looks at a clock.
+// Which variant should a scene be drawn with, and at which tolerance? advise() tries them. Beside this header,
+// calibrate.hpp, error_table.hpp and measure_error_table.hpp look at a clock, and no others.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -24,6 +24,7 @@
 #include "farfield/partition/octree.hpp"
 #include "farfield/primitive.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/tuning/measure_error_table.hpp"
 #include "farfield/tuning/variants.hpp"
 #include "farfield/viewer.hpp"
 
@@ -134,13 +135,7 @@ class Adviser {
     }
 
     double priced(const FrameStats& stats, int samples, const View& view) {
-        const auto price = [&](const FrameStats& s) {
-            return double(options_.prices->cost({.triangles = float(s.primitives),
-                                                 .faces = float(s.faces),
-                                                 .splats = float(s.splats),
-                                                 .cells = float(s.cells_visited),
-                                                 .runs = float(s.runs)}));
-        };
+        const auto price = [&](const FrameStats& s) { return double(options_.prices->cost(work_of_frame(s))); };
         const double exact = price(exact_viewer_.frame(view));
         return exact > 0 ? price(stats) * samples / exact : 1;
     }

@@ -1,5 +1,6 @@
 // Measures the cost of each kind of work on this machine, with this renderer, before a walkthrough starts (Shade et al.
-// 1996, section 3.3). No other header than this and advise.hpp looks at a clock.
+// 1996, section 3.3). Beside this header, advise.hpp, error_table.hpp and measure_error_table.hpp look at a clock, and
+// no others.
 #pragma once
 
 #include "farfield/settings.hpp"

@@ -1,0 +1,175 @@
+// Which tolerance keeps the error that is wanted, and does it pay? A tolerance in pixels bounds how far a stand-in's
+// outline is off; it does not say what the picture errs by, which depends on the scene and on the approximation. So the
+// error is measured: a table of what pictures at a ladder of tolerances err by and cost, against exact geometry at many
+// samples a pixel, answers for all frames that are like those it was measured on.
+//
+// Exact geometry at one sample a pixel errs, too: it aliases. An approximation that errs no more than that loses
+// nothing, which is why point sampling is the default of what is wanted. A mean of squares forgives blur, though:
+// where people look at the pictures, a ladder that ends at 4 px keeps stand-ins too small to be told apart.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "farfield/fail.hpp"
+
+namespace farfield {
+
+/// The largest error that a picture may have.
+struct WantedError {
+    /// A root mean square error as ToleranceTrial's. None: no worse than point sampling, which is what exact geometry
+    /// errs by at as many samples a pixel.
+    std::optional<double> rmse{};
+};
+
+/// What frames at one tolerance err by and cost.
+struct ToleranceTrial {
+    float tolerance_px = 0;  ///< 0: exact
+    double rmse = 0;         ///< of channels in [0, 1], over the pixels that the objects take in all views together
+    double cost = 1;         ///< of all views together; 1: exact's
+};
+
+enum class ToleranceReason : std::uint8_t {
+    pays,           ///< the tolerance keeps the wanted error and costs less than exact
+    only_way,       ///< it keeps the wanted error and costs no less than exact, which does not keep it
+    nothing_pays,   ///< exact: tolerances keep the wanted error, but none costs less
+    nothing_keeps,  ///< exact: it keeps the wanted error, and no tolerance does
+    cannot_be_had,  ///< exact: it errs more than is wanted, and so does every tolerance
+    nothing_tried,  ///< exact: there was nothing to see, so nothing is known
+};
+
+struct ToleranceChoice {
+    ToleranceTrial trial;  ///< what to expect
+    ToleranceReason reason = ToleranceReason::nothing_tried;
+
+    bool is_exact() const { return !(trial.tolerance_px > 0); }
+    bool keeps_error() const { return reason != ToleranceReason::cannot_be_had; }
+};
+
+/// Trials by ascending tolerance, exact first. A value: whoever measures otherwise than this header does may make one.
+class ErrorTable {
+  public:
+    /// `least_saving`: a tolerance pays if it costs less than exact by this part, below which times are noise. Throws
+    /// std::invalid_argument unless tolerances ascend from 0, and errors and costs are 0 or more and finite.
+    explicit ErrorTable(std::vector<ToleranceTrial> trials, double least_saving = 0.05)
+        : trials_(std::move(trials)), least_saving_(least_saving) {
+        bool good = !trials_.empty() && trials_.front().tolerance_px == 0 && least_saving >= 0 && least_saving < 1;
+        for (std::size_t i = 0; good && i < trials_.size(); ++i) {
+            const ToleranceTrial& t = trials_[i];
+            good = std::isfinite(t.tolerance_px) && t.rmse >= 0 && std::isfinite(t.rmse) && t.cost >= 0 &&
+                   std::isfinite(t.cost) && (i == 0 || t.tolerance_px > trials_[i - 1].tolerance_px);
+        }
+        if (!good) {
+            detail::fail<std::invalid_argument>(
+                "farfield::ErrorTable: tolerances must ascend from 0, errors and costs be 0 or more, and the least "
+                "saving from 0 to below 1, all finite");
+        }
+    }
+
+    std::span<const ToleranceTrial> trials() const { return trials_; }
+    /// What point sampling errs by.
+    double exact_rmse() const { return trials_.front().rmse; }
+
+    /// The largest tolerance that pays, of those that keep the error together with all between them and the one that
+    /// errs least, so that a coarse one that is right by luck is not taken. Exact where none pays. The less error is
+    /// wanted, the smaller the tolerance of trials that pay, and the less the largest error up to it: those that keep a
+    /// smaller error are among those that keep a larger one. Throws std::invalid_argument for an error below 0.
+    ToleranceChoice tolerance_for(WantedError wanted = {}) const {
+        const double largest = wanted.rmse.value_or(exact_rmse());
+        if (!(largest >= 0)) detail::fail<std::invalid_argument>("farfield::ErrorTable: wanted errors are 0 or more");
+        const auto least = std::min_element(trials_.begin(), trials_.end(),
+                                            [](const auto& a, const auto& b) { return a.rmse < b.rmse; });
+        const auto end = std::find_if_not(least, trials_.end(), [&](const auto& t) { return t.rmse <= largest; });
+        if (least == end) return {trials_.front(), ToleranceReason::cannot_be_had};
+        for (auto t = end; t != least;) {
+            if (pays(*--t)) return {*t, ToleranceReason::pays};
+        }
+        if (exact_rmse() > largest) return {*(end - 1), ToleranceReason::only_way};
+        if (trials_.size() == 1) return {trials_.front(), ToleranceReason::nothing_tried};
+        const bool exact_alone = end - 1 == trials_.begin();
+        return {trials_.front(), exact_alone ? ToleranceReason::nothing_keeps : ToleranceReason::nothing_pays};
+    }
+
+  private:
+    bool pays(const ToleranceTrial& t) const { return t.tolerance_px > 0 && t.cost <= 1 - least_saving_; }
+
+    std::vector<ToleranceTrial> trials_;
+    double least_saving_;
+};
+
+/// Factors of the square root of 2, beginning with the first and ending with the last at most.
+inline std::vector<float> tolerance_ladder(float first_px, float last_px) {
+    std::vector<float> ladder;
+    for (int half_octave = 0;; ++half_octave) {
+        const float step = std::ldexp(half_octave % 2 != 0 ? std::numbers::sqrt2_v<float> : 1.0f, half_octave / 2);
+        if (!(first_px > 0 && first_px * step <= last_px && std::isfinite(step))) return ladder;
+        ladder.push_back(first_px * step);
+    }
+}
+
+struct ErrorTableOptions {
+    std::vector<float> tolerances_px = tolerance_ladder(0.25f, 16);  ///< above 0, ascending; exact is tried, too
+    int repetitions = 5;         ///< of each frame at most: the least of its costs counts, for others were interrupted
+    double seconds = 0.25;       ///< a frame that took as long in all is not repeated
+    double least_saving = 0.05;  ///< as ErrorTable's
+};
+
+/// Squares summed over so many things, as pixels. Sums of several views may be added.
+struct SquaredError {
+    double sum = 0, count = 0;
+
+    SquaredError& operator+=(const SquaredError& other) {
+        sum += other.sum;
+        count += other.count;
+        return *this;
+    }
+    double root_mean() const { return count > 0 ? std::sqrt(sum / count) : 0; }
+};
+
+/// Measures whatever draws: `subject.draw(view, tolerance_px)` draws the view of that number once, exactly at tolerance
+/// 0, and returns what it costs (anything proportional to time); `subject.error(view)` is the SquaredError of what was
+/// drawn last. Tolerances of a view are drawn in turns, so that a change of clock rate meets all. Without views, or
+/// where these see nothing (a count of 0), only exact is in the table. Throws as ErrorTable does.
+template <class Subject>
+ErrorTable measure_error_table(Subject& subject, std::size_t views, const ErrorTableOptions& options = {}) {
+    using Clock = std::chrono::steady_clock;
+    std::vector<float> tolerances{0};
+    tolerances.insert(tolerances.end(), options.tolerances_px.begin(), options.tolerances_px.end());
+    std::vector<SquaredError> errors(tolerances.size());
+    std::vector<double> costs(tolerances.size(), 0);
+    for (std::size_t view = 0; view < views; ++view) {
+        std::vector<double> least(tolerances.size(), std::numeric_limits<double>::infinity());
+        std::vector<double> spent(tolerances.size(), 0);
+        for (int round = 0; round < std::max(options.repetitions, 1); ++round) {
+            for (std::size_t i = 0; i < tolerances.size(); ++i) {
+                if (round > 0 && spent[i] >= options.seconds) continue;
+                const auto start = Clock::now();
+                least[i] = std::min(least[i], subject.draw(view, tolerances[i]));
+                spent[i] += std::chrono::duration<double>(Clock::now() - start).count();
+                if (round == 0) errors[i] += subject.error(view);
+            }
+        }
+        for (std::size_t i = 0; i < tolerances.size(); ++i) costs[i] += least[i];
+    }
+    std::vector<ToleranceTrial> trials;
+    for (std::size_t i = 0; i < tolerances.size(); ++i) {
+        const bool known = errors[i].count > 0 && costs[0] > 0;
+        if (i > 0 && !known) break;
+        trials.push_back({tolerances[i], errors[i].root_mean(), i > 0 ? costs[i] / costs[0] : 1});
+    }
+    return ErrorTable(std::move(trials), options.least_saving);
+}
+
+}  // namespace farfield
