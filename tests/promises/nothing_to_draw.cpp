@@ -99,14 +99,14 @@ void check(const std::string& name, const Options& options) {
 
 TEST_CASE("primitives without polygons draw nothing, wherever they come") {
     using Exactly = SpatialHierarchy<Octree, Exact, TriangleCount>;
-    using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
-    using Cubes = SpatialHierarchy<SharedOctree, ColorCube, TriangleCount>;
+    using OctreeOfTensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
+    using SharedOctreeOfCubes = SpatialHierarchy<SharedOctree, ColorCube, TriangleCount>;
     using Bsp = SpatialHierarchy<Nested<Octree, PolygonBsp>, Exact, TriangleCount>;
     check<Exactly, CoverageRenderer>("exact, masks", CoverageOptions{});
-    check<Tensors, CoverageRenderer>("tensors, masks", CoverageOptions{});
-    check<Cubes, ZBufferRenderer>("shared cubes, z-buffer", ZBufferOptions{});
-    check<Tensors, ZBufferRenderer>("tensors, z-buffer", ZBufferOptions{.samples = 4});
-    check<Tensors, ZBufferRenderer>("tensors, read", ZBufferOptions{.copies_sources = false});
+    check<OctreeOfTensors, CoverageRenderer>("tensors, masks", CoverageOptions{});
+    check<SharedOctreeOfCubes, ZBufferRenderer>("shared cubes, z-buffer", ZBufferOptions{});
+    check<OctreeOfTensors, ZBufferRenderer>("tensors, z-buffer", ZBufferOptions{.samples = 4});
+    check<OctreeOfTensors, ZBufferRenderer>("tensors, read", ZBufferOptions{.copies_sources = false});
     check<Exactly, HierarchicalZRenderer>("exact, hierarchical z", ZBufferOptions{});
     check<Bsp, StrictCoverageRenderer>("BSPs, strict masks", CoverageOptions{});
     check<Bsp, PainterRenderer>("BSPs, painter", PainterOptions{});
