@@ -194,7 +194,7 @@ class PolygonSubtree {
         for (; plane < by.cuts.count; ++plane) {
             const LocalPlane& local_plane = by.local[plane];
             const PlaneRelation relation =
-                relation_of(item, polygon(item), planes_[item.polygon], by.cuts.planes[plane], local_plane, by.cell);
+                relation_of(item, polygon(item), planes_, by.cuts.planes[plane], local_plane, by.cell);
             if (relation != PlaneRelation::crossing || item.corners == 0) {
                 sides[plane] = relation == PlaneRelation::behind ? Side::behind
                                : relation == PlaneRelation::on   ? Side::on

@@ -44,8 +44,9 @@ inline CuttingPlane plane_in(const SupportingPlane& plane, const Cell& cell) {
 
 /// `local_plane` is `plane` in the cell. Pieces of the polygon that it was laid through lie on it, however their
 /// corners were rounded. An instance as thin as the plane counts as in front of it: it is never `on`.
-inline PlaneRelation relation_of(const ClippedItem& item, std::span<const Corner> polygon, const SupportingPlane& own,
-                                 const CuttingPlane& plane, const LocalPlane& local_plane, const Cell& cell) {
+inline PlaneRelation relation_of(const ClippedItem& item, std::span<const Corner> polygon,
+                                 std::span<const SupportingPlane> planes, const CuttingPlane& plane,
+                                 const LocalPlane& local_plane, const Cell& cell) {
     const double tolerance = local_plane.tolerance();
     const int axis = local_plane.axis();
     double lowest, highest;
@@ -65,6 +66,7 @@ inline PlaneRelation relation_of(const ClippedItem& item, std::span<const Corner
         if (lowest >= -tolerance) return PlaneRelation::in_front;
         return highest <= tolerance ? PlaneRelation::behind : PlaneRelation::crossing;
     }
+    const SupportingPlane& own = planes[item.polygon];  // instances have none
     const bool may_be_own = plane.normal == own.normal;
     if (!may_be_own && lowest > tolerance) return PlaneRelation::in_front;
     if (!may_be_own && highest < -tolerance) return PlaneRelation::behind;
@@ -104,7 +106,7 @@ class ClippedItems {
     /// See relation_of.
     PlaneRelation relation(std::size_t i, const CuttingPlane& plane, const LocalPlane& local_plane,
                            const Cell& cell) const {
-        return relation_of(items_[i], polygon(i), planes_[items_[i].polygon], plane, local_plane, cell);
+        return relation_of(items_[i], polygon(i), planes_, plane, local_plane, cell);
     }
 
     /// Whether any order of the items is right, from wherever they are seen: one item, or polygons in one plane.
