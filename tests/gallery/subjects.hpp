@@ -90,9 +90,8 @@ inline bool is_known_to_alternate(const Variant& variant, const Subject& subject
 
 /// Tensors in cells of BSPs over twigs: the sides of one twig come into cells of their own, and those at its back are
 /// deposited too. The smaller the cells, the more: 1.2 to 1.5 times what twigs cover at a tolerance of 4, 1.5 to 1.75
-/// at
-/// 1. The error may rise by a step of a channel, where half of one is allowed (of 24 pairs of seeds and partitions 11
-/// did so with the planes of polygons, too, that BSPs once preferred).
+/// at 1. The error may rise by a step of a channel, where half of one is allowed (of 24 pairs of seeds and partitions
+/// 11 did so with the planes of polygons, too, that BSPs once preferred).
 inline bool is_known_to_fall_apart(const Variant& variant, const Subject& subject) {
     return variant.is_clipped && variant.name.find("OpacityTensor") != std::string::npos &&
            subject.name.rfind("twigs", 0) == 0;
