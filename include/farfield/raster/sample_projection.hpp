@@ -60,6 +60,9 @@ struct SampleProjection {
     /// How far from its place, in samples, something may be drawn: snapping, and what stand-ins reach beyond cells.
     float reach = snapping;
     int first_x = 0, first_y = 0, end_x = 0, end_y = 0;  ///< the image, relative to the center sample
+    /// What small triangles have to touch to be deposited, in 1/256 sample: the whole picture, and in a tile also one
+    /// sample around it, which the square that is deposited for a triangle may reach into.
+    float small_left = 0, small_top = 0, small_right = 0, small_bottom = 0;
     int left = 0, top = 0;                               ///< samples of the whole picture beside a tile, and above it
     int whole_width = 0, whole_height = 0;               ///< in samples
 
@@ -79,6 +82,10 @@ struct SampleProjection {
         whole_height = part.whole_height * samples_a_side;
         end_x = first_x + view.width * samples_a_side;
         end_y = first_y + view.height * samples_a_side;
+        small_left = 256.0f * float(first_x - (part.left > 0));
+        small_top = 256.0f * float(first_y - (part.top > 0));
+        small_right = 256.0f * float(end_x + (part.left + view.width < part.whole_width));
+        small_bottom = 256.0f * float(end_y + (part.top + view.height < part.whole_height));
         is_perspective = view.is_perspective;
         is_at_eye = view.anchor_depth == 0;
         seed = view.seed;
