@@ -5,8 +5,8 @@
 //     show(viewer.image());
 //
 // Sort-first parallel rendering (S. Molnar, M. Cox, D. Ellsworth, H. Fuchs, "A Sorting Classification of Parallel
-// Rendering", IEEE Computer Graphics and Applications 14(4), 1994): a band visits the cells that it shows and no others,
-// so nothing is handed from thread to thread, and a frame needs no lock. What is in two bands is visited twice.
+// Rendering", IEEE Computer Graphics and Applications 14(4), 1994): a band visits the cells that it shows and no
+// others, so nothing is handed from thread to thread, and a frame needs no lock. What is in two bands is visited twice.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -36,13 +36,13 @@ concept HasImage = requires(const R& r) {
 /// Draws what a Viewer draws, byte for byte: bands are tiles (View::tile) as wide as the picture. It is the same on any
 /// number of threads. Borrows hierarchy and primitives, which outlive it; the renderers are its own.
 ///
-/// Bands of 32 rows or more cost little more than the picture at once; four bands a thread or more even out what differs
-/// in work. Where renderers share sources (RendererFacts), all bands together keep one copy of the primitives.
+/// Bands of 32 rows or more cost little more than the picture at once; four bands a thread or more even out what
+/// differs in work. Where renderers share sources (RendererFacts), all bands together keep one copy of the primitives.
 template <class H, class P, class R>
 class BandedViewer {
   public:
-    /// make(band) returns a renderer; all must be made alike. Throws std::invalid_argument for no bands, and what Viewer
-    /// throws.
+    /// make(band) returns a renderer; all must be made alike. Throws std::invalid_argument for no bands, and what
+    /// Viewer throws.
     template <class MakeRenderer>
     BandedViewer(const H& hierarchy, std::span<const P> primitives, std::size_t bands, MakeRenderer&& make) {
         if (bands == 0) detail::fail<std::invalid_argument>("farfield::BandedViewer: there must be a band or more");

@@ -130,8 +130,8 @@ concept DepositsPrimitivesIfStated = !R::facts.deposits_primitives || DepositsPr
 
 template <class R, class P>
 concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && detail::KeepsSourcesIfStated<R, P> &&
-    detail::SharesSourcesIfStated<R> && detail::TellsLifetimeIfStated<R> && detail::TellsLightIfStated<R> && detail::DrawsFacesIfStated<R> &&
-    detail::DrawsSplatsIfStated<R> && detail::DrawsPolygonsIfStated<R> && detail::AnswersHiddenIfStated<R> &&
-    detail::DepositsPrimitivesIfStated<R>;
+    detail::SharesSourcesIfStated<R> && detail::TellsLifetimeIfStated<R> && detail::TellsLightIfStated<R> &&
+    detail::DrawsFacesIfStated<R> && detail::DrawsSplatsIfStated<R> && detail::DrawsPolygonsIfStated<R> &&
+    detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R>;
 
 }  // namespace farfield

@@ -130,8 +130,8 @@ class Viewer {
 
   private:
     LocalView outermost(const View& view) const {
-        const bool has_far_field = view.tolerance_px > 0 && sources_.have_stand_ins();
-        return LocalView(view, hierarchy_.origin(), hierarchy_.bounds(), has_far_field ? queue_.splat_limit_px() : 0.0f);
+        const bool has_splats = R::facts.draws_splats && sources_.have_stand_ins();
+        return LocalView(view, hierarchy_.origin(), hierarchy_.bounds(), has_splats ? view.tolerance_px : 0.0f);
     }
 
     void begin(const LocalView& local, const View& view) {

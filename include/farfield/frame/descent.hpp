@@ -125,7 +125,7 @@ class Descent {
         }
         const std::uint32_t items = subtree.end_item - node.first_item;
         if constexpr (R::facts.answers_hidden) {
-            if (items >= min_items_for_occlusion_query && sink_.hidden(v, subtree)) {
+            if (items >= min_items_for_occlusion_query && !visits_all<V>() && sink_.hidden(v, subtree)) {
                 ++stats_.cells_hidden;
                 return;
             }
@@ -144,13 +144,15 @@ class Descent {
         }
     }
 
-    /// Items that are shared are drawn with the first of their cells, by its law: all of these have to be visited.
+    /// Items that are shared are deposited with the first of their cells, by its law: none may be passed over.
+    template <class V>
+    bool visits_all() const {
+        if constexpr (carries_law<V> && V::hierarchy_type::assignment == Assignment::shared) return deposits_;
+        return false;
+    }
     template <class V>
     bool is_beyond_borders(const V& v, Subtree& subtree) const {
-        if constexpr (carries_law<V> && V::hierarchy_type::assignment == Assignment::shared) {
-            if (deposits_) return false;
-        }
-        return is_outside_tile(v.view, subtree);
+        return !visits_all<V>() && is_outside_tile(v.view, subtree);
     }
 
     template <class V>

@@ -21,9 +21,9 @@ namespace farfield {
 /// elsewhere, silently.
 ///
 /// Runs and stand-ins keep their order among one another: otherwise the picture would depend on where batches end, and
-/// with it on what else is drawn. For the same reason runs with a law are never made one: a renderer may deposit what is
-/// small in a run before it draws the rest. Runs without a law are, and change places among themselves where the renderer
-/// takes any order.
+/// with it on what else is drawn. For the same reason runs with a law are never made one: a renderer may deposit what
+/// is small in a run before it draws the rest. Runs without a law are, and change places among themselves where the
+/// renderer takes any order.
 template <class R>
 class DrawQueue {
   public:

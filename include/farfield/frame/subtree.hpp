@@ -22,8 +22,8 @@ struct Subtree {
 
     Cell cell;
     std::uint32_t node = 0;
-    std::uint32_t end_item = 0;             ///< its positions end here; they begin with the node's own run
-    std::uint32_t stand_in = no_stand_in;   ///< index into the hierarchy's stand_ins()
+    std::uint32_t end_item = 0;               ///< its positions end here; they begin with the node's own run
+    std::uint32_t stand_in = no_stand_in;     ///< index into the hierarchy's stand_ins()
     PlaneMask crossed_planes = all_planes;    ///< those of the view that its bounds may cross
     PlaneMask crossed_borders = all_borders;  ///< those of a tile
 

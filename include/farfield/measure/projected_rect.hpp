@@ -27,8 +27,8 @@ std::optional<PixelRect> projected_rect(const BasicBox<T>& box, const View& view
     const glm::dvec2 size(view.width, view.height), whole(view.whole_width(), view.whole_height());
     const double focal_px = 0.5 * whole.y / double(camera.half_height);
     const glm::dvec2 focal(camera.half_width > 0 ? 0.5 * whole.x / double(camera.half_width) : focal_px, focal_px);
-    const glm::dvec2 axis_at = 0.5 * whole * (1.0 + camera.off_center * glm::dvec2(-1, 1)) -
-                               glm::dvec2(view.part.left, view.part.top);
+    const glm::dvec2 axis_at =
+        0.5 * whole * (1.0 + camera.off_center * glm::dvec2(-1, 1)) - glm::dvec2(view.part.left, view.part.top);
     glm::dvec2 lower(std::numeric_limits<double>::infinity()), upper(-lower);
     for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,

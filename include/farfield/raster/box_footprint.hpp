@@ -57,8 +57,8 @@ struct BoxFootprint {
             low_y = p.y - half_y;
             high_y = p.y + half_y;
         }
-        // One sample covers snapping and the distance to its center, a splat may reach farther; the rest is the error of
-        // projection.
+        // One sample covers snapping and the distance to its center, a splat may reach farther; the rest is the error
+        // of projection.
         const float beyond = 256 * std::max(1.0f, projection.reach);
         const float relative = error / projection.w(nearest);
         const glm::vec2 focal = projection.focal * 256.0f;

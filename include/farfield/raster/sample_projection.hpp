@@ -56,15 +56,15 @@ struct SampleProjection {
     bool is_mirrored = false;  ///< what is counter-clockwise from its front is clockwise on the screen
     bool is_at_eye = true;     ///< whether depths are counted from the eye
     ColorWeight color_weight;
-    std::uint32_t seed = 0;                              ///< LocalView's
+    std::uint32_t seed = 0;  ///< LocalView's
     /// How far from its place, in samples, something may be drawn: snapping, and what stand-ins reach beyond cells.
     float reach = snapping;
     int first_x = 0, first_y = 0, end_x = 0, end_y = 0;  ///< the image, relative to the center sample
     /// What small triangles have to touch to be deposited, in 1/256 sample: the whole picture, and in a tile also one
     /// sample around it, which the square that is deposited for a triangle may reach into.
     float small_left = 0, small_top = 0, small_right = 0, small_bottom = 0;
-    int left = 0, top = 0;                               ///< samples of the whole picture beside a tile, and above it
-    int whole_width = 0, whole_height = 0;               ///< in samples
+    int left = 0, top = 0;                  ///< samples of the whole picture beside a tile, and above it
+    int whole_width = 0, whole_height = 0;  ///< in samples
 
     SampleProjection() = default;
     SampleProjection(const LocalView& view, int samples_a_side) {

@@ -56,7 +56,7 @@ class BasicCoverageRenderer {
         .order = VisitOrder::front_to_back,
         .needs_ordering = is_lazy ? OrderGuarantee::none : OrderGuarantee::primitives,
         .keeps_sources = true,
-.shares_sources = true,
+        .shares_sources = true,
         .tells_lifetime = true,
         .tells_light = true,
         .draws_faces = is_lazy,
@@ -82,7 +82,9 @@ class BasicCoverageRenderer {
     std::uint32_t upload(const Source<P>& source) {
         return streams_.upload(source);
     }
-    std::uint32_t share(const BasicCoverageRenderer& other, std::uint32_t id) { return streams_.share(other.streams_, id); }
+    std::uint32_t share(const BasicCoverageRenderer& other, std::uint32_t id) {
+        return streams_.share(other.streams_, id);
+    }
     void release(std::uint32_t id) { streams_.release(id); }
     /// The memory of all that is uploaded: once, however many viewers and renderers draw it.
     std::size_t uploaded_bytes() const { return streams_.bytes(); }

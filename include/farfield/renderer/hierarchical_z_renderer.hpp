@@ -71,7 +71,7 @@ class HierarchicalZRenderer {
   public:
     static constexpr RendererFacts facts{.order = VisitOrder::front_to_back,
                                          .keeps_sources = true,
-.shares_sources = true,
+                                         .shares_sources = true,
                                          .tells_lifetime = true,
                                          .tells_light = true,
                                          .draws_faces = true,
@@ -90,7 +90,9 @@ class HierarchicalZRenderer {
     std::uint32_t upload(const Source<P>& source) {
         return canvas_.upload(source);
     }
-    std::uint32_t share(const HierarchicalZRenderer& other, std::uint32_t id) { return canvas_.share(other.canvas_, id); }
+    std::uint32_t share(const HierarchicalZRenderer& other, std::uint32_t id) {
+        return canvas_.share(other.canvas_, id);
+    }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
     /// The memory of all that is uploaded: once, however many viewers and renderers draw it.
     std::size_t uploaded_bytes() const { return canvas_.streams().bytes(); }

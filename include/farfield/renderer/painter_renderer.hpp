@@ -92,7 +92,7 @@ class PainterRenderer {
     static constexpr RendererFacts facts{.order = VisitOrder::back_to_front,
                                          .needs_ordering = OrderGuarantee::primitives,
                                          .keeps_sources = true,
-.shares_sources = true,
+                                         .shares_sources = true,
                                          .tells_lifetime = true,
                                          .tells_light = true};
 

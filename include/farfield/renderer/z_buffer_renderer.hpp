@@ -34,7 +34,7 @@ namespace farfield {
 class ZBufferRenderer {
   public:
     static constexpr RendererFacts facts{.keeps_sources = true,
-.shares_sources = true,
+                                         .shares_sources = true,
                                          .tells_lifetime = true,
                                          .tells_light = true,
                                          .draws_faces = true,
@@ -75,8 +75,8 @@ class ZBufferRenderer {
     /// This is two samples: a deposit then touches at most three by three.
     float largest_splat_px() const { return 2.0f / float(canvas_.samples_a_side()); }
 
-    /// Whether a cell is hidden: nothing in it then changes the picture. Before the first deposit of a frame, a stand-in's or a triangle's, nothing is
-    /// hidden: an exact picture takes every primitive in the frustum.
+    /// Whether a cell is hidden: nothing in it then changes the picture. Before the first deposit of a frame, a
+    /// stand-in's or a triangle's, nothing is hidden: an exact picture takes every primitive in the frustum.
     bool hidden(const Cell& cell, CellId) {
         detail::SampleBuffers& buffers = canvas_.buffers();
         if (!buffers.has_far()) return false;

@@ -49,8 +49,9 @@ struct LocalView {
     /// Where the picture lies in the whole that the camera shows; the whole's size is set even where it is no part.
     PartOfPicture part{};
     glm::dvec2 whole_off_center{0.0};  ///< of the whole picture
-    /// Stand-ins may be drawn as splats up to this many pixels a side; 0: none will be, everything is drawn in its place.
-    float largest_splat_px = 0;
+    /// Cells up to this many pixels, seen squarely, may be drawn as splats; 0: none is, and everything is drawn in its
+    /// place.
+    float largest_stand_in_px = 0;
     /// Coordinates are projected relative to this point of the ray through the middle of the picture, at
     /// `anchor_depth`. It is the eye with depth 0, unless the eye is so far that subtracting it would leave nothing of
     /// the coordinates.
@@ -71,13 +72,13 @@ struct LocalView {
 
     /// The hierarchy's coordinates are the user's minus `origin`; `bounds` are in its coordinates. Throws
     /// std::invalid_argument as View::check does.
-    LocalView(const View& view, glm::dvec3 origin, const Box& bounds, float splat_px = 0)
+    LocalView(const View& view, glm::dvec3 origin, const Box& bounds, float stand_in_px = 0)
         : LocalView(view, origin,
                     bounds.is_empty() ? 1.0f : glm::min(length_of(bounds.size()), std::numeric_limits<float>::max()),
-                    bounds.is_empty() ? glm::vec3(0) : bounds.center(), splat_px) {}
+                    bounds.is_empty() ? glm::vec3(0) : bounds.center(), stand_in_px) {}
     /// The same for a hierarchy whose bounds have this diagonal around this center.
     LocalView(const View& view, glm::dvec3 origin, float diagonal, glm::vec3 center = glm::vec3(0),
-              float splat_px = 0)
+              float stand_in_px = 0)
         : eye(view.camera.eye - origin),
           right(view.camera.right),
           up(view.camera.up),
@@ -93,7 +94,7 @@ struct LocalView {
           height(view.height),
           part{view.part.left, view.part.top, view.whole_width(), view.whole_height()},
           whole_off_center(view.camera.off_center),
-          largest_splat_px(splat_px),
+          largest_stand_in_px(stand_in_px),
           anchor(eye),
           depth_unit(std::ldexp(1.0f, glm::clamp(exponent_of(diagonal), -100, 100))) {
         view.validate();
@@ -170,12 +171,15 @@ struct LocalView {
     }
 
     /// Pixels that what is drawn for a cell may reach beyond the cell's bounds, snapping left out: half a splat, which
-    /// lies about any point of its cell and is at most as large as the cell seen from its corner. Away from the axis
-    /// things grow in the picture, see stretch().
+    /// lies about any point of its cell and is as large as the cell may look. (Away from the axis a cell is nearer than
+    /// its distance by stretch(), and is stretched by as much.) What is deposited for a small triangle reaches less far
+    /// than a pixel.
     float reach_px() const {
+        if (!(largest_stand_in_px > 0)) return 0;
         const glm::vec2 half = glm::vec2(part.whole_width, part.whole_height) / (2 * focal_px * squeeze);
         const glm::vec2 away = half * (1.0f + glm::abs(glm::vec2(whole_off_center)));
-        return 0.7f * largest_splat_px * (is_perspective ? std::sqrt(1 + glm::dot(away, away)) : 1.0f);
+        const float squared_stretch = is_perspective ? 1 + glm::dot(away, away) : 1.0f;
+        return 0.75f * glm::max(1.0f, largest_stand_in_px * squared_stretch);
     }
 
     /// The order in which points come front to back: the smaller the nearer.

@@ -19,9 +19,9 @@
 namespace farfield::detail {
 
 /// Samples are addressed from the upper left one. Deposits come front to back over a z-buffer of geometry: depths(y)[x]
-/// is larger when nearer, and a deposit behind it is dropped, as if it had never come. A sample that lets nothing through
-/// any more is *closed*: nothing later can change it, geometry in front of it included. So what is left out because it
-/// is hidden leaves no trace, and tiles, where more is hidden, are parts of the whole picture.
+/// is larger when nearer, and a deposit behind it is dropped, as if it had never come. A sample that lets nothing
+/// through any more is *closed*: nothing later can change it, geometry in front of it included. So what is left out
+/// because it is hidden leaves no trace, and tiles, where more is hidden, are parts of the whole picture.
 class FarSamples {
   public:
     using Sample = FarSample;

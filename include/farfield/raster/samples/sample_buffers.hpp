@@ -61,7 +61,8 @@ class SampleBuffers {
     }
     /// See FarSamples::deposit_square.
     void deposit_square(float left, float top, float right, float bottom, float q, Loss loss, glm::vec3 rgb) {
-        far_.deposit_square(blocks_, left - whole_x_, top - whole_y_, right - whole_x_, bottom - whole_y_, q, loss, rgb);
+        far_.deposit_square(blocks_, left - whole_x_, top - whole_y_, right - whole_x_, bottom - whole_y_, q, loss,
+                            rgb);
     }
 
     /// See FarSamples::deposit_in_lane.
