@@ -1,10 +1,11 @@
 #include "farfield/banded_viewer.hpp"
 
+#include <array>
+#include <cmath>
 #include <cstddef>
-#include <memory>
+#include <functional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "catch.hpp"
@@ -220,8 +221,8 @@ namespace {
 
 /// Fails in the frames of some bands.
 struct FailingRenderer : ZBufferRenderer {
-    FailingRenderer(std::size_t number, const bool& fails)
-        : ZBufferRenderer({.light = light}), band(number), on(fails) {}
+    FailingRenderer(std::size_t number, const ZBufferOptions& options, const bool& fails)
+        : ZBufferRenderer(options), band(number), on(fails) {}
     std::size_t band;
     const bool& on;
 
@@ -236,8 +237,8 @@ struct FailingRenderer : ZBufferRenderer {
 TEST_CASE("what a band throws reaches the caller, and the next frame is right") {
     const World& w = world();
     bool fails = true;
-    auto viewer =
-        make_banded_viewer(w.tensors, w.triangles, 8, [&](std::size_t band) { return FailingRenderer(band, fails); });
+    auto viewer = make_banded_viewer(w.tensors, w.triangles, 8,
+                                     [&](std::size_t band) { return FailingRenderer(band, {.light = light}, fails); });
     View view = looking({0.3, 0.9, 2});
     view.tolerance_px = 1;
     for (const unsigned threads : {1u, 2u, 3u, 8u}) {
