@@ -472,6 +472,6 @@ TEST_CASE("what is no larger than a lane goes into the one its center lies in, a
         canvas.far.deposit_in_lane(canvas.depths(), x, 0.5f, 0.05f, 1, {0, 1}, [] { return glm::vec3(1); });
     }
     CHECK(canvas.taken() == 0);
-    CHECK_FALSE(canvas.far.is_open(0, 0));
+    CHECK(canvas.far.is_open(0, 0));
     CHECK(canvas.far.is_open(1, 1));
 }
