@@ -6,6 +6,7 @@
 #include <string>
 
 #include "catch.hpp"
+#include "farfield/view/local_view.hpp"
 #include "support/random.hpp"
 
 using namespace farfield;
@@ -123,12 +124,17 @@ TEST_CASE("a tile is a part of the picture") {
     whole.width = 600;
     whole.height = 400;
     const View left = whole.tile(0, 0, 300, 400), upper = whole.tile(0, 0, 600, 100);
-    CHECK(left.camera.off_center == glm::dvec2(-1, 0));
-    CHECK(left.camera.half_height == whole.camera.half_height);
-    CHECK(upper.camera.off_center == glm::dvec2(0, 3));
-    CHECK(upper.camera.half_height == whole.camera.half_height / 4);
+    // The camera stays the whole's, to the last bit; where the tile lies in it is told in pixels.
+    CHECK(left.camera.off_center == whole.camera.off_center);
+    CHECK(upper.camera.half_height == whole.camera.half_height);
+    CHECK((left.width == 300 && left.part.left == 0 && left.part.whole_width == 600));
+    CHECK((upper.height == 100 && upper.whole_height() == 400));
     const View again = left.tile(150, 200, 150, 200), same = whole.tile(150, 200, 150, 200);
-    CHECK(again.camera.off_center == same.camera.off_center);
-    CHECK(again.camera.half_height == same.camera.half_height);
+    CHECK((again.part.left == same.part.left && again.part.top == same.part.top));
+    CHECK((again.whole_width() == 600 && again.whole_height() == 400));
+    // A renderer learns from its LocalView how the tile lies beside the axis.
+    CHECK(LocalView(left, {}, 4).off_center == glm::dvec2(-1, 0));
+    CHECK(LocalView(upper, {}, 4).off_center == glm::dvec2(0, 3));
+    CHECK(LocalView(upper, {}, 4).focal_px == LocalView(whole, {}, 4).focal_px);
     CHECK_THROWS_AS(whole.tile(0, 0, 0, 10), std::invalid_argument);
 }

@@ -7,6 +7,7 @@
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/banded_viewer.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/price_file.hpp"

@@ -300,6 +300,9 @@ constexpr bool check_renderer() {
             KeepsSourcesIfStated<R, P>,
             "farfield: a renderer with `keeps_sources` needs `std::uint32_t upload(const Source<P>&)` and `void "
             "release(std::uint32_t)`, for this primitive");
+        static_assert(SharesSourcesIfStated<R>,
+                      "farfield: a renderer with `shares_sources` needs `keeps_sources` and `std::uint32_t share(const "
+                      "R& other, std::uint32_t id)`");
         static_assert(TellsLifetimeIfStated<R>,
                       "farfield: a renderer with `tells_lifetime` needs "
                       "`std::weak_ptr<const void> lifetime() const`");

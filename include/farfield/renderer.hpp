@@ -27,6 +27,7 @@ struct RendererFacts {
     VisitOrder far_field_order =
         VisitOrder::front_to_back;  ///< back_to_front: stand-ins are replayed after everything else
     bool keeps_sources = false;     ///< std::uint32_t upload(Source<P>) once a source, release(id) when it goes
+    bool shares_sources = false;    ///< std::uint32_t share(const R& other, id): upload what another has uploaded
     bool tells_lifetime = false;    ///< std::weak_ptr<const void> lifetime() const: expires when the renderer goes
     bool tells_light =
         false;  ///< std::optional<DirectionalLight> light() const: what primitives get and stand-ins have
@@ -61,6 +62,12 @@ template <class R, class P>
 concept KeepsSources = requires(R& r, const Source<P>& source, std::uint32_t id) {
     { r.upload(source) } -> std::same_as<std::uint32_t>;
     r.release(id);
+};
+
+/// The other renderer may go first. Whoever shares releases what it got, as if uploaded.
+template <class R>
+concept SharesSources = requires(R& r, const R& other, std::uint32_t id) {
+    { r.share(other, id) } -> std::same_as<std::uint32_t>;
 };
 
 template <class R>
@@ -103,6 +110,8 @@ namespace detail {
 template <class R, class P>
 concept KeepsSourcesIfStated = !R::facts.keeps_sources || KeepsSources<R, P>;
 template <class R>
+concept SharesSourcesIfStated = !R::facts.shares_sources || (R::facts.keeps_sources && SharesSources<R>);
+template <class R>
 concept TellsLifetimeIfStated = !R::facts.tells_lifetime || TellsLifetime<R>;
 template <class R>
 concept TellsLightIfStated = !R::facts.tells_light || TellsLight<R>;
@@ -121,8 +130,8 @@ concept DepositsPrimitivesIfStated = !R::facts.deposits_primitives || DepositsPr
 
 template <class R, class P>
 concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && detail::KeepsSourcesIfStated<R, P> &&
-    detail::TellsLifetimeIfStated<R> && detail::TellsLightIfStated<R> && detail::DrawsFacesIfStated<R> &&
-    detail::DrawsSplatsIfStated<R> && detail::DrawsPolygonsIfStated<R> && detail::AnswersHiddenIfStated<R> &&
-    detail::DepositsPrimitivesIfStated<R>;
+    detail::SharesSourcesIfStated<R> && detail::TellsLifetimeIfStated<R> && detail::TellsLightIfStated<R> &&
+    detail::DrawsFacesIfStated<R> && detail::DrawsSplatsIfStated<R> && detail::DrawsPolygonsIfStated<R> &&
+    detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R>;
 
 }  // namespace farfield

@@ -19,6 +19,13 @@ namespace farfield {
 /// `depth` along the viewing direction is that of Chamberlain 1995, section 3.1, whose levels change at planes.
 enum class DistanceMeasure : std::uint8_t { nearest_point, depth };
 
+/// Where a picture lies in a larger one, in pixels, first row topmost.
+struct PartOfPicture {
+    int left = 0, top = 0;
+    int whole_width = 0, whole_height = 0;  ///< 0: it is no part, but whole
+    bool is_whole() const { return whole_width == 0; }
+};
+
 /// The settings of one frame.
 struct View {
     Camera camera;
@@ -27,6 +34,12 @@ struct View {
     /// A stand-in is drawn where its error is at most this many pixels; 0 draws every primitive exactly.
     float tolerance_px = 1;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
+    /// Set by tile(): the camera then shows the larger picture, and this is a part of it.
+    PartOfPicture part{};
+
+    /// The size of the picture that the camera shows.
+    int whole_width() const { return part.is_whole() ? width : part.whole_width; }
+    int whole_height() const { return part.is_whole() ? height : part.whole_height; }
 
     /// Throws std::invalid_argument that names the first field, the camera's included, that makes no picture. Every
     /// frame begins with it, whatever the renderer.
@@ -40,24 +53,29 @@ struct View {
         demand(tolerance_px >= 0 && std::isfinite(tolerance_px), "tolerance_px must be 0 or more and finite");
         demand(distance == DistanceMeasure::nearest_point || distance == DistanceMeasure::depth,
                "distance must be nearest_point or depth");
+        if (part.is_whole()) {
+            demand(part.left == 0 && part.top == 0 && part.whole_height == 0, "part must name the whole's size");
+        } else {
+            const auto lies_in = [](int first, int size, int whole) { return first >= 0 && first <= whole - size; };
+            demand(lies_in(part.left, width, part.whole_width) && lies_in(part.top, height, part.whole_height),
+                   "part must lie in the whole picture");
+        }
     }
 
-    /// The view of a rectangle of this view's pixels, first row topmost: pictures of tiles, side by side, are the whole
-    /// picture. Throws std::invalid_argument for a rectangle without pixels.
+    /// The view of a rectangle of this view's pixels, first row topmost. Pictures of tiles, side by side, are the whole
+    /// picture, byte for byte: what stands in is chosen for the whole, and every sample lies where it lies in the
+    /// whole. (Not so in a MergedViewer: it cuts bodies for what a tile shows, and cuts round.) Throws
+    /// std::invalid_argument for a rectangle that has no pixels or leaves the picture.
     View tile(int left, int top, int tile_width, int tile_height) const {
         validate();
         if (tile_width < 1 || tile_height < 1)
             detail::fail<std::invalid_argument>("farfield::View: a tile must have 1 pixel or more");
+        if (left < 0 || top < 0 || left > width - tile_width || top > height - tile_height)
+            detail::fail<std::invalid_argument>("farfield::View: a tile must lie in the picture");
         View v = *this;
-        const glm::dvec2 part(double(tile_width) / width, double(tile_height) / height);
-        const glm::dvec2 center((2.0 * left + tile_width - width) / tile_width,
-                                (height - 2.0 * top - tile_height) / tile_height);
+        v.part = {part.left + left, part.top + top, whole_width(), whole_height()};
         v.width = tile_width;
         v.height = tile_height;
-        v.camera.half_height = float(double(camera.half_height) * part.y);
-        // Pixels that are square stay so without a width.
-        v.camera.half_width = float(double(camera.half_width) * part.x);
-        v.camera.off_center = center + camera.off_center / part;
         return v;
     }
 };
@@ -77,6 +95,17 @@ struct FrameStats {
     std::uint64_t instances = 0;                             ///< instances entered
     std::uint64_t touched_bytes = 0;                         ///< working set: nodes, stand-ins and item indices read
     std::uint64_t approximations_by_level[max_levels] = {};  ///< by depth in their own hierarchy
+
+    FrameStats& operator+=(const FrameStats& other) {
+        for (const auto count :
+             {&FrameStats::primitives, &FrameStats::runs, &FrameStats::approximations, &FrameStats::faces,
+              &FrameStats::splats, &FrameStats::cells_visited, &FrameStats::cells_outside, &FrameStats::cells_hidden,
+              &FrameStats::instances, &FrameStats::touched_bytes}) {
+            this->*count += other.*count;
+        }
+        for (int i = 0; i < max_levels; ++i) approximations_by_level[i] += other.approximations_by_level[i];
+        return *this;
+    }
 };
 
 }  // namespace farfield

@@ -55,6 +55,17 @@ class Viewer {
           queue_(renderer, stats_) {
         sources_.add_all(hierarchy, primitives);
     }
+    /// A viewer of the same with a renderer of its own: for another thread, or a part of the picture. It checks nothing
+    /// again, and what the other has uploaded is shared where the renderers' facts say that they can. Throws
+    /// std::invalid_argument if stand-ins have another light than this renderer.
+    Viewer(const Viewer& other, R& renderer)
+        : hierarchy_(other.hierarchy_),
+          primitives_(other.primitives_),
+          renderer_(renderer),
+          sources_(renderer),
+          queue_(renderer, stats_) {
+        if (!sources_.add_all_of(other.sources_)) sources_.add_all(hierarchy_, primitives_);
+    }
     /// What is borrowed must outlive the viewer, as what is made in the call does not.
     Viewer(const H&&, std::span<const P>, R&) = delete;
     template <detail::OwningTemporary Range>
@@ -118,7 +129,10 @@ class Viewer {
     }
 
   private:
-    LocalView outermost(const View& view) const { return LocalView(view, hierarchy_.origin(), hierarchy_.bounds()); }
+    LocalView outermost(const View& view) const {
+        const bool has_splats = R::facts.draws_splats && sources_.have_stand_ins();
+        return LocalView(view, hierarchy_.origin(), hierarchy_.bounds(), has_splats ? view.tolerance_px : 0.0f);
+    }
 
     void begin(const LocalView& local, const View& view) {
         sources_.check_renderer("farfield::Viewer");

@@ -120,7 +120,7 @@ TEST_CASE("a renderer that wants an order gets it") {
     CHECK(q.stats.runs == 3);
 }
 
-TEST_CASE("runs with a law keep their order, and are not one with those of another") {
+TEST_CASE("runs with a law keep their order, and each stays one of its own") {
     Queue<AnyOrder> q;
     q.run(40, 50, AreaLaw::coherent);
     q.run(0, 10, AreaLaw::coherent);
@@ -128,10 +128,11 @@ TEST_CASE("runs with a law keep their order, and are not one with those of anoth
     q.run(20, 30, AreaLaw::independent);
     q.run(30, 35);
     REQUIRE(q.flushed().size() == 1);
-    CHECK(places(q.renderer.calls[0]) == Places{{40, 50}, {0, 10}, {10, 30}, {30, 35}});
+    CHECK(places(q.renderer.calls[0]) == Places{{40, 50}, {0, 10}, {10, 20}, {20, 30}, {30, 35}});
     CHECK(q.renderer.calls[0].drawn[0].law == AreaLaw::coherent);
     CHECK(q.renderer.calls[0].drawn[2].law == AreaLaw::independent);
-    CHECK_FALSE(q.renderer.calls[0].drawn[3].law);
+    CHECK(q.renderer.calls[0].drawn[3].law == AreaLaw::independent);
+    CHECK_FALSE(q.renderer.calls[0].drawn[4].law);
     // The next batch has none with a law, and is put in order again.
     q.run(40, 50);
     q.run(0, 10);
@@ -139,15 +140,15 @@ TEST_CASE("runs with a law keep their order, and are not one with those of anoth
     CHECK(places(q.renderer.calls[1]) == Places{{0, 10}, {40, 50}});
 }
 
-TEST_CASE("geometry that waits goes before stand-ins, unless it has a law") {
+TEST_CASE("runs and stand-ins keep their order among one another, with a law and without") {
     Queue<AnyOrder> q;
     q.run(0, 10);
     q.queue.add(source, face(1));
     q.run(20, 30);
-    REQUIRE(q.flushed().size() == 2);
-    CHECK(q.renderer.calls[0].what == Log::Call::ranges);
-    CHECK(places(q.renderer.calls[0]) == Places{{0, 10}, {20, 30}});
+    REQUIRE(q.flushed().size() == 3);
+    CHECK(places(q.renderer.calls[0]) == Places{{0, 10}});
     CHECK(q.renderer.calls[1].what == Log::Call::faces);
+    CHECK(places(q.renderer.calls[2]) == Places{{20, 30}});
     q.renderer.calls.clear();
     q.queue.add(source, face(2));
     q.run(40, 50, AreaLaw::mixed);

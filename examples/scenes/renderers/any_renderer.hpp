@@ -74,6 +74,7 @@ class RendererLike {
     static constexpr RendererFacts facts = [] {
         RendererFacts f = Like::facts;
         f.keeps_sources = true;
+        f.shares_sources = false;  // each viewer has its own
         f.tells_lifetime = false;  // it lives here
         f.tells_light = false;     // scenes have their light baked in, and are drawn without one
         f.draws_polygons = false;  // they come of MergedViewer only, which no scene is drawn by here

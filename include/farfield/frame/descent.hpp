@@ -111,7 +111,7 @@ class Descent {
     template <class V>
     void visit(V& v, Subtree& subtree, LawOf<V> law) {
         ++stats_.cells_visited;
-        if (is_outside(v.view.planes, subtree)) {
+        if (is_outside(v.view.planes, subtree) || is_beyond_borders(v, subtree)) {
             ++stats_.cells_outside;
             return;
         }
@@ -125,7 +125,7 @@ class Descent {
         }
         const std::uint32_t items = subtree.end_item - node.first_item;
         if constexpr (R::facts.answers_hidden) {
-            if (items >= min_items_for_occlusion_query && sink_.hidden(v, subtree)) {
+            if (items >= min_items_for_occlusion_query && !visits_all<V>() && sink_.hidden(v, subtree)) {
                 ++stats_.cells_hidden;
                 return;
             }
@@ -138,10 +138,21 @@ class Descent {
             if (law) as_one_run = items <= max_items_per_deposited_run;
         }
         if (node.child_mask == 0 || (may_draw_whole<V> && as_one_run && !may_stand_in_below(v, subtree, node))) {
-            draw_items(v, subtree, node.first_item, law);
+            draw_whole(v, subtree, node, law);
         } else {
             visit_children(v, subtree, node, law);
         }
+    }
+
+    /// Items that are shared are deposited with the first of their cells, by its law: none may be passed over.
+    template <class V>
+    bool visits_all() const {
+        if constexpr (carries_law<V> && V::hierarchy_type::assignment == Assignment::shared) return deposits_;
+        return false;
+    }
+    template <class V>
+    bool is_beyond_borders(const V& v, Subtree& subtree) const {
+        return !visits_all<V>() && is_outside_tile(v.view, subtree);
     }
 
     template <class V>
@@ -192,6 +203,27 @@ class Descent {
         ++stats_.approximations_by_level[std::min<int>(subtree.cell.depth, FrameStats::max_levels - 1)];
         stats_.touched_bytes += sizeof(typename V::hierarchy_type::stand_in_data);
         sink_.stand_in(v, subtree);
+    }
+
+    /// Draws a subtree as one run, less what lies beyond a tile's borders. A run with a law is short, and its order
+    /// counts.
+    template <class V>
+    void draw_whole(V& v, const Subtree& subtree, const Node& node, LawOf<V> law) {
+        const bool is_uncut = v.view.borders_used == 0 || subtree.crossed_borders == 0 || node.child_mask == 0 ||
+                              subtree.end_item - node.first_item <= max_items_unculled ||
+                              std::optional<AreaLaw>(law).has_value();
+        if (is_uncut) return draw_items(v, subtree, node.first_item, law);
+        const auto& h = v.hierarchy;
+        const std::uint32_t own_end = h.nodes()[node.first_child].first_item;
+        if (own_end != node.first_item) gather_items(v, subtree, node.first_item, own_end, law);
+        for_each_child<VisitOrder::any>(h, subtree, v.view.viewpoint(), [&](Subtree& child) {
+            ++stats_.cells_visited;
+            if (is_beyond_borders(v, child)) {
+                ++stats_.cells_outside;
+            } else {
+                draw_whole(v, child, h.nodes()[child.node], law);
+            }
+        });
     }
 
     /// Positions from `first` to the subtree's end, and what the instances among them hold.

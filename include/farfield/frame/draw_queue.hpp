@@ -23,9 +23,10 @@ namespace farfield {
 /// A viewer's own. Batches belong to one source and one view: flush() before either changes, or what waits lands
 /// elsewhere, silently.
 ///
-/// Geometry goes before stand-ins: primitives that wait come from before the stand-ins that wait, or from behind them,
-/// where drawing them early changes nothing. Stand-ins keep their order, and so do runs with a law, which the renderer
-/// may deposit: among themselves and among stand-ins.
+/// Runs and stand-ins keep their order among one another: otherwise the picture would depend on where batches end, and
+/// with it on what else is drawn. For the same reason runs with a law are never made one: a renderer may deposit what
+/// is small in a run before it draws the rest. Runs without a law are, and change places among themselves where the
+/// renderer takes any order.
 template <class R>
 class DrawQueue {
   public:
@@ -62,13 +63,11 @@ class DrawQueue {
     void add_run(const Source<P>& source, std::uint32_t first, std::uint32_t end, std::optional<AreaLaw> law) {
         if (first == end) return;
         stats_.primitives += end - first;
-        if (law) {
-            if (placed_count_ + splat_count_ + face_count_ != 0) flush(source);
-            in_order_ = true;
-        }
-        if (range_count_ != 0) {
+        if (placed_count_ + splat_count_ + face_count_ != 0) flush(source);
+        if (law) in_order_ = true;
+        if (range_count_ != 0 && !law) {
             Range& last = ranges_[range_count_ - 1];
-            if (last.first + last.count == first && last.law == law) {
+            if (last.first + last.count == first && !last.law) {
                 last.count += end - first;
                 return;
             }

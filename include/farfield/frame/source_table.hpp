@@ -99,6 +99,25 @@ class SourceTable {
     explicit SourceTable(R& renderer) : renderer_(renderer) {
         if constexpr (R::facts.tells_lifetime) renderer_lifetime_ = renderer.lifetime();
     }
+    /// Takes over what another renderer's table has checked and uploaded. Returns false, and does nothing, if the
+    /// renderers do not share sources or have different lights.
+    bool add_all_of(const SourceTable& other) {
+        if constexpr (R::facts.keeps_sources && !R::facts.shares_sources) return false;
+        other.check_renderer("farfield::Viewer: another");
+        if constexpr (R::facts.tells_light) {
+            if (renderer_.light() != other.renderer_.light()) return false;
+        }
+        have_stand_ins_ = other.have_stand_ins_;
+        for (const auto& [key, theirs] : other.sources_) {
+            SourceState& state = sources_[key];
+            state.stamps.assign(theirs.stamps.size(), 0);
+            if constexpr (R::facts.shares_sources) {
+                state.id = renderer_.share(other.renderer_, theirs.id);
+                state.is_uploaded = true;
+            }
+        }
+        return true;
+    }
     ~SourceTable() {
         if constexpr (R::facts.keeps_sources) {
             if (!has_renderer()) return;
@@ -129,6 +148,7 @@ class SourceTable {
         });
         check_fingerprint(who, h, primitives);
         if constexpr (R::facts.tells_light) check_light(who, h, renderer_.light(), turned);
+        have_stand_ins_ = have_stand_ins_ || !h.stand_ins().empty();
         // References into an unordered_map stay valid while more are added.
         SourceState& state = sources_[SourceKey{&h, primitives.data()}];
         if constexpr (H::assignment == Assignment::shared) state.stamps.assign(primitives.size(), 0);
@@ -142,6 +162,9 @@ class SourceTable {
         });
         state.is_open = false;
     }
+
+    /// Whether any of the hierarchies has a stand-in.
+    bool have_stand_ins() const { return have_stand_ins_; }
 
     template <class H, class P>
     bool has(const H& h, std::span<const P> primitives) const {
@@ -186,6 +209,7 @@ class SourceTable {
 
     R& renderer_;
     std::weak_ptr<const void> renderer_lifetime_;
+    bool have_stand_ins_ = false;
     std::unordered_map<SourceKey, SourceState, HashOfSourceKey> sources_;
 };
 

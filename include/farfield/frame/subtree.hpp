@@ -13,6 +13,7 @@
 #include "farfield/geometry/visit_order.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/view/frustum.hpp"
+#include "farfield/view/local_view.hpp"
 
 namespace farfield {
 
@@ -21,9 +22,10 @@ struct Subtree {
 
     Cell cell;
     std::uint32_t node = 0;
-    std::uint32_t end_item = 0;             ///< its positions end here; they begin with the node's own run
-    std::uint32_t stand_in = no_stand_in;   ///< index into the hierarchy's stand_ins()
-    PlaneMask crossed_planes = all_planes;  ///< those of the view that its bounds may cross
+    std::uint32_t end_item = 0;               ///< its positions end here; they begin with the node's own run
+    std::uint32_t stand_in = no_stand_in;     ///< index into the hierarchy's stand_ins()
+    PlaneMask crossed_planes = all_planes;    ///< those of the view that its bounds may cross
+    PlaneMask crossed_borders = all_borders;  ///< those of a tile
 
     bool has_stand_in() const { return stand_in != no_stand_in; }
 };
@@ -63,7 +65,8 @@ Subtree child_of(const H& hierarchy, const Subtree& parent, const Node& node, co
             .node = at,
             .end_item = rank + 1u < bits_set[node.child_mask] ? hierarchy.nodes()[at + 1].first_item : parent.end_item,
             .stand_in = stand_in,
-            .crossed_planes = parent.crossed_planes};
+            .crossed_planes = parent.crossed_planes,
+            .crossed_borders = parent.crossed_borders};
 }
 
 }  // namespace detail
@@ -91,6 +94,14 @@ inline bool is_outside(const std::array<glm::vec4, plane_count>& planes, Subtree
     subtree.crossed_planes =
         crossed_planes(planes, subtree.cell.bounds_center, subtree.cell.bounds_half, subtree.crossed_planes);
     return subtree.crossed_planes == outside_a_plane;
+}
+
+/// The same for the borders of a tile. A view that is no tile has none.
+inline bool is_outside_tile(const LocalView& view, Subtree& subtree) {
+    if (view.borders_used == 0 || subtree.crossed_borders == 0) return false;
+    subtree.crossed_borders = crossed_borders(view.borders, view.borders_used, subtree.cell.bounds_center,
+                                              subtree.cell.bounds_half, subtree.crossed_borders);
+    return subtree.crossed_borders == outside_a_plane;
 }
 
 }  // namespace farfield

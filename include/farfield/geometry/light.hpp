@@ -19,6 +19,7 @@ struct DirectionalLight {
     glm::vec3 towards{0.30f, 0.90f, 0.32f};  ///< from the scene to the light; any length but 0
     float ambient = 0.35f;
     float diffuse = 0.65f;
+    friend bool operator==(const DirectionalLight&, const DirectionalLight&) = default;
 
     /// `facing_viewer` is the polygon's normal turned to the side that is seen, any length; brightness in [0, 1] for
     /// ambient + diffuse <= 1. A polygon without a normal gets the ambient part.

@@ -24,11 +24,11 @@ template <class T>
 std::optional<PixelRect> projected_rect(const BasicBox<T>& box, const View& view) {
     if (box.is_empty() || !box.is_finite()) return std::nullopt;
     const Camera& camera = view.camera;
-    const glm::dvec2 whole(view.width, view.height);
-    const double focal_px = 0.5 * double(view.height) / double(camera.half_height);
-    const glm::dvec2 focal(camera.half_width > 0 ? 0.5 * double(view.width) / double(camera.half_width) : focal_px,
-                           focal_px);
-    const glm::dvec2 axis_at = 0.5 * whole * (1.0 + camera.off_center * glm::dvec2(-1, 1));
+    const glm::dvec2 size(view.width, view.height), whole(view.whole_width(), view.whole_height());
+    const double focal_px = 0.5 * whole.y / double(camera.half_height);
+    const glm::dvec2 focal(camera.half_width > 0 ? 0.5 * whole.x / double(camera.half_width) : focal_px, focal_px);
+    const glm::dvec2 axis_at =
+        0.5 * whole * (1.0 + camera.off_center * glm::dvec2(-1, 1)) - glm::dvec2(view.part.left, view.part.top);
     glm::dvec2 lower(std::numeric_limits<double>::infinity()), upper(-lower);
     for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
@@ -44,9 +44,9 @@ std::optional<PixelRect> projected_rect(const BasicBox<T>& box, const View& view
         lower = glm::min(lower, px);
         upper = glm::max(upper, px);
     }
-    if (!(lower.x < whole.x && lower.y < whole.y && upper.x >= 0 && upper.y >= 0)) return std::nullopt;
-    lower = glm::clamp(glm::floor(lower), glm::dvec2(0), whole - 1.0);
-    upper = glm::clamp(glm::ceil(upper), lower + 1.0, whole);  // a point on a border takes the pixel after it
+    if (!(lower.x < size.x && lower.y < size.y && upper.x >= 0 && upper.y >= 0)) return std::nullopt;
+    lower = glm::clamp(glm::floor(lower), glm::dvec2(0), size - 1.0);
+    upper = glm::clamp(glm::ceil(upper), lower + 1.0, size);  // a point on a border takes the pixel after it
     return PixelRect{int(lower.x), int(lower.y), int(upper.x), int(upper.y)};
 }
 

@@ -74,7 +74,8 @@ class BodyWalker {
     bool may_be_seen(BodyPart& part) {
         ++stats_.cells_visited;
         const Cell& cell = part.cell;
-        if (is_outside(frame(part.body).view().planes, part)) {
+        const LocalView& view = frame(part.body).view();
+        if (is_outside(view.planes, part) || is_outside_tile(view, part)) {
             ++stats_.cells_outside;
             return false;
         }

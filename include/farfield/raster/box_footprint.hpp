@@ -57,11 +57,13 @@ struct BoxFootprint {
             low_y = p.y - half_y;
             high_y = p.y + half_y;
         }
-        // One sample covers snapping and the distance to its center; the rest is the error of projection.
+        // One sample covers snapping and the distance to its center, a splat may reach farther; the rest is the error
+        // of projection.
+        const float beyond = 256 * std::max(1.0f, projection.reach);
         const float relative = error / projection.w(nearest);
         const glm::vec2 focal = projection.focal * 256.0f;
-        const float slack_x = 256 + relative * (focal.x + std::max(std::abs(low_x), std::abs(high_x)));
-        const float slack_y = 256 + relative * (focal.y + std::max(std::abs(low_y), std::abs(high_y)));
+        const float slack_x = beyond + relative * (focal.x + std::max(std::abs(low_x), std::abs(high_x)));
+        const float slack_y = beyond + relative * (focal.y + std::max(std::abs(low_y), std::abs(high_y)));
         // Written so that a NaN ends up outside.
         const auto sample = [](float v, int first, int end) {
             return int(std::floor(std::clamp(v * (1.0f / 256), float(first) - 1, float(end))));

@@ -20,9 +20,9 @@ namespace farfield::detail {
 /// each sample nothing inside has a larger q than any of them. A room is thus hidden behind a corridor's wall though
 /// its nearest corner is nearer than most of the wall, which a bound by that corner alone cannot tell.
 ///
-/// The planes are raised by as much as rounding and snapping may raise what is drawn. (A sliver on the screen, whose
-/// corners lie almost on a line, has a depth known only to within that of its corners: if it lies before a front, that
-/// is due to this error, and it may be left out with what is hidden.)
+/// The planes are raised by as much as rounding, snapping and the reach of splats may raise what is drawn. (A sliver on
+/// the screen, whose corners lie almost on a line, has a depth known only to within that of its corners: if it lies
+/// before a front, that is due to this error, and it may be left out with what is hidden.)
 struct BoxFronts {
     std::array<DepthPlane, 3> planes;  ///< over samples, relative to the center sample
     int count = 0;                     ///< 1 or more once made
@@ -47,8 +47,6 @@ struct BoxFronts {
             *this = BoxFronts(nearest_q);
             return;
         }
-        // How far contents may be drawn from where they are, in samples: see CoverageRenderer::hidden.
-        constexpr float snapping = 8.0f / 256;
         const float to_x = projection.offset_x * (1.0f / 256), to_y = projection.offset_y * (1.0f / 256);
         const auto reach = [&](int axis, float zero) {
             return std::max(std::abs(low_and_high[0][axis] * (1.0f / 256) - zero),
@@ -75,8 +73,8 @@ struct BoxFronts {
             const float most = std::abs(q) + std::abs(by_x) * reach_x + std::abs(by_y) * reach_y;
             const float sums = std::abs(center[axis]) + half[axis] + std::abs(projection.anchor[axis]);
             const float rounding = most * (sums * 0x1p-22f / std::abs(plane) + 0x1p-18f) + rounding_q;
-            const float at_first = q + rounding + (std::abs(by_x) + std::abs(by_y)) * snapping + by_x * (0.5f - to_x) +
-                                   by_y * (0.5f - to_y);
+            const float at_first = q + rounding + (std::abs(by_x) + std::abs(by_y)) * projection.reach +
+                                   by_x * (0.5f - to_x) + by_y * (0.5f - to_y);
             if (!std::isfinite(at_first) || !std::isfinite(by_x) || !std::isfinite(by_y)) continue;
             planes[std::size_t(count++)] =
                 DepthPlane(at_first, by_x, by_y, -std::numeric_limits<float>::infinity(), nearest_q);

@@ -37,6 +37,8 @@ struct SampleProjection {
     /// Polygons are clipped farther than this many samples from the center. Coordinates in 1/256 sample then fit 22
     /// bits and a sign, where adding a constant rounds single precision to integers.
     static constexpr float guard_band = 16000.0f;
+    /// Contents of a cell are projected and snapped on their own, and may lie this much beside it, in samples.
+    static constexpr float snapping = 8.0f / 256;
 
     glm::vec3 anchor{0};
     glm::vec3 right{1, 0, 0};  ///< scaled: dot(right, p - anchor) is 1/256 samples times w
@@ -54,21 +56,36 @@ struct SampleProjection {
     bool is_mirrored = false;  ///< what is counter-clockwise from its front is clockwise on the screen
     bool is_at_eye = true;     ///< whether depths are counted from the eye
     ColorWeight color_weight;
-    std::uint32_t seed = 0;                              ///< LocalView's
+    std::uint32_t seed = 0;  ///< LocalView's
+    /// How far from its place, in samples, something may be drawn: snapping, and what stand-ins reach beyond cells.
+    float reach = snapping;
     int first_x = 0, first_y = 0, end_x = 0, end_y = 0;  ///< the image, relative to the center sample
+    /// What small triangles have to touch to be deposited, in 1/256 sample: the whole picture, and in a tile also one
+    /// sample around it, which the square that is deposited for a triangle may reach into.
+    float small_left = 0, small_top = 0, small_right = 0, small_bottom = 0;
+    int left = 0, top = 0;                  ///< samples of the whole picture beside a tile, and above it
+    int whole_width = 0, whole_height = 0;  ///< in samples
 
     SampleProjection() = default;
     SampleProjection(const LocalView& view, int samples_a_side) {
-        const int width = view.width * samples_a_side, height = view.height * samples_a_side;
+        const PartOfPicture& part = view.part;
         anchor = view.anchor;
         focal = view.focal_px * float(samples_a_side) * view.squeeze;
         right = view.right * (focal.x * 256);
         down = -view.up * (focal.y * 256);
         forward = view.forward;
-        place(width, view.off_center.x * width / 2, first_x, offset_x);
-        place(height, -view.off_center.y * height / 2, first_y, offset_y);
-        end_x = first_x + width;
-        end_y = first_y + height;
+        place(samples_a_side, part.whole_width, view.whole_off_center.x, part.left, view.width, first_x, offset_x);
+        place(samples_a_side, part.whole_height, -view.whole_off_center.y, part.top, view.height, first_y, offset_y);
+        left = part.left * samples_a_side;
+        top = part.top * samples_a_side;
+        whole_width = part.whole_width * samples_a_side;
+        whole_height = part.whole_height * samples_a_side;
+        end_x = first_x + view.width * samples_a_side;
+        end_y = first_y + view.height * samples_a_side;
+        small_left = 256.0f * float(first_x - (part.left > 0));
+        small_top = 256.0f * float(first_y - (part.top > 0));
+        small_right = 256.0f * float(end_x + (part.left + view.width < part.whole_width));
+        small_bottom = 256.0f * float(end_y + (part.top + view.height < part.whole_height));
         is_perspective = view.is_perspective;
         is_at_eye = view.anchor_depth == 0;
         seed = view.seed;
@@ -77,6 +94,7 @@ struct SampleProjection {
         depth_bias = is_perspective ? view.anchor_depth : 1.0f;
         near_depth = view.near_depth - view.anchor_depth;
         far_depth = view.far_depth - view.anchor_depth;
+        reach = snapping + view.reach_px() * float(samples_a_side);
         const float world_units = view.scale / view.depth_unit;
         if (!is_perspective) {
             q_of_inverse = 0;
@@ -105,20 +123,22 @@ struct SampleProjection {
     float q(float depth, float inverse) const { return inverse * (q_of_inverse + depth * q_of_depth); }
 
   private:
-    /// `shift` says how many samples beyond the axis an image's center lies. Where images would leave the guard band,
-    /// std::invalid_argument is thrown.
-    static void place(int samples, double shift, int& first, float& offset) {
-        first = -(samples / 2);
-        offset = 128.0f * float(samples) + 256.0f * float(first);
-        if (shift == 0) return;
+    /// Places the pixels [first_px, first_px + count_px) of a picture of `whole_px` whose center lies `off_center` of
+    /// its halves beyond the axis. Where samples would leave the guard band, std::invalid_argument is thrown.
+    static void place(int samples_a_side, int whole_px, double off_center, int first_px, int count_px, int& first,
+                      float& offset) {
+        const double whole = double(whole_px) * samples_a_side, shift = off_center * whole / 2;
         const double most = double(guard_band) - 1, steps = std::round(shift);
-        if (!(first + steps >= -most && first + steps + samples <= most)) {
+        const double begin = steps - std::floor(whole / 2) + double(first_px) * samples_a_side;
+        if ((shift != 0 || first_px != 0 || count_px != whole_px) &&
+            !(begin >= -most && begin + double(count_px) * samples_a_side <= most)) {
             detail::fail<std::invalid_argument>(
                 "farfield::Camera: off_center puts the picture more than 16000 samples beside the view's axis; take "
                 "fewer samples, or turn the camera");
         }
-        first += int(steps);
-        offset += float(256 * (steps - shift));
+        first = int(begin);
+        offset = std::fmod(whole, 2.0) == 0 ? 0.0f : 128.0f;
+        if (shift != 0) offset += float(256 * (steps - shift));
     }
 };
 

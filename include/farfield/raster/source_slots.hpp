@@ -45,7 +45,7 @@ std::uint64_t contents_of(const Source<P>& source) {
 
 /// Numbers each source with the first free slot; equal ones share it, so that viewers of one hierarchy do not each take
 /// its memory again. They are told by what they hold and not by where it lies, since addresses are used again. A Stream
-/// is constructed from a Source<P>.
+/// is constructed from a Source<P> and never changes, so that renderers may share it, on any threads.
 template <class Stream>
 class SourceSlots {
   public:
@@ -62,19 +62,16 @@ class SourceSlots {
             ++slots_[found->second].users;
             return found->second;
         }
-        auto stream = std::make_unique<const Stream>(source, options...);
-        if (free_.empty()) {
-            // Room for all, so that release() needs no memory.
-            if (free_.capacity() == slots_.size()) free_.reserve(2 * slots_.size() + 1);
-            slots_.emplace_back();
-            free_.push_back(std::uint32_t(slots_.size() - 1));
+        return keep(std::make_shared<const Stream>(source, options...), contents);
+    }
+    /// Uploads what another has in a slot, without a copy. If this throws, nothing is kept.
+    std::uint32_t share(const SourceSlots& other, std::uint32_t id) {
+        const Slot& theirs = other.slots_[id];
+        if (const auto found = slot_of_.find(theirs.contents); found != slot_of_.end()) {
+            ++slots_[found->second].users;
+            return found->second;
         }
-        slot_of_.emplace(contents, free_.front());
-        std::pop_heap(free_.begin(), free_.end(), std::greater<>());
-        const std::uint32_t id = free_.back();
-        free_.pop_back();
-        slots_[id] = {std::move(stream), contents, 1};
-        return id;
+        return keep(theirs.stream, theirs.contents);
     }
     /// Frees the slot once it was released as often as it was uploaded.
     void release(std::uint32_t id) {
@@ -88,7 +85,7 @@ class SourceSlots {
 
     const Stream& operator[](std::uint32_t id) const { return *slots_[id].stream; }
 
-    /// The memory that streams take.
+    /// The memory that streams take, shared ones included.
     std::size_t bytes() const {
         std::size_t sum = 0;
         for (const Slot& slot : slots_) sum += slot.stream ? slot.stream->bytes() : 0;
@@ -100,10 +97,25 @@ class SourceSlots {
 
   private:
     struct Slot {
-        std::unique_ptr<const Stream> stream{};
+        std::shared_ptr<const Stream> stream{};
         std::uint64_t contents = 0;
         std::uint32_t users = 0;
     };
+
+    std::uint32_t keep(std::shared_ptr<const Stream> stream, std::uint64_t contents) {
+        if (free_.empty()) {
+            // Room for all, so that release() needs no memory.
+            if (free_.capacity() == slots_.size()) free_.reserve(2 * slots_.size() + 1);
+            slots_.emplace_back();
+            free_.push_back(std::uint32_t(slots_.size() - 1));
+        }
+        slot_of_.emplace(contents, free_.front());
+        std::pop_heap(free_.begin(), free_.end(), std::greater<>());
+        const std::uint32_t id = free_.back();
+        free_.pop_back();
+        slots_[id] = {std::move(stream), contents, 1};
+        return id;
+    }
 
     std::vector<Slot> slots_;
     std::vector<std::uint32_t> free_;                           ///< a heap, first slot on top

@@ -56,6 +56,7 @@ class BasicCoverageRenderer {
         .order = VisitOrder::front_to_back,
         .needs_ordering = is_lazy ? OrderGuarantee::none : OrderGuarantee::primitives,
         .keeps_sources = true,
+        .shares_sources = true,
         .tells_lifetime = true,
         .tells_light = true,
         .draws_faces = is_lazy,
@@ -63,6 +64,9 @@ class BasicCoverageRenderer {
         .draws_polygons = true,
         .answers_hidden = true,
     };
+
+    /// A tile is a part of the whole picture only this far from its borders: pixels get samples from their neighbors.
+    static constexpr int reach_px = Traits::samples::reach_px;
 
     explicit BasicCoverageRenderer(const CoverageOptions& options = {})
         : options_(options), light_(options.light), tiler_(options.simd) {}
@@ -78,8 +82,11 @@ class BasicCoverageRenderer {
     std::uint32_t upload(const Source<P>& source) {
         return streams_.upload(source);
     }
+    std::uint32_t share(const BasicCoverageRenderer& other, std::uint32_t id) {
+        return streams_.share(other.streams_, id);
+    }
     void release(std::uint32_t id) { streams_.release(id); }
-    /// The memory of all that is uploaded: once, however many viewers draw it.
+    /// The memory of all that is uploaded: once, however many viewers and renderers draw it.
     std::size_t uploaded_bytes() const { return streams_.bytes(); }
     std::weak_ptr<const void> lifetime() const { return streams_.lifetime(); }
 
@@ -92,6 +99,8 @@ class BasicCoverageRenderer {
         }
         projection_ = detail::SampleProjection(view, samples_a_side);
         target_.begin(view.width, view.height, projection_.first_x, projection_.first_y);
+        target_.left_px = view.part.left;
+        target_.top_px = view.part.top;
         light_.begin_frame(view);
     }
     void set_view(const LocalView& view) {
@@ -145,9 +154,7 @@ class BasicCoverageRenderer {
     /// Whether a cell is hidden by what was drawn before; ask front to back. No box that crosses the near plane is.
     bool hidden(const Cell& cell, CellId) {
         if (!silhouette_.project(cell.bounds_center, cell.bounds_half, projection_)) return false;
-        // Contents are projected and snapped on their own, and may lie this much outside.
-        constexpr int rounding = 8;
-        return !tiler_.is_seen(target_, silhouette_, rounding);
+        return !tiler_.is_seen(target_, silhouette_, int(256 * projection_.reach));
     }
 
   private:

@@ -71,6 +71,7 @@ class HierarchicalZRenderer {
   public:
     static constexpr RendererFacts facts{.order = VisitOrder::front_to_back,
                                          .keeps_sources = true,
+                                         .shares_sources = true,
                                          .tells_lifetime = true,
                                          .tells_light = true,
                                          .draws_faces = true,
@@ -89,8 +90,11 @@ class HierarchicalZRenderer {
     std::uint32_t upload(const Source<P>& source) {
         return canvas_.upload(source);
     }
+    std::uint32_t share(const HierarchicalZRenderer& other, std::uint32_t id) {
+        return canvas_.share(other.canvas_, id);
+    }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
-    /// The memory of all that is uploaded: once, however many viewers draw it.
+    /// The memory of all that is uploaded: once, however many viewers and renderers draw it.
     std::size_t uploaded_bytes() const { return canvas_.streams().bytes(); }
     std::weak_ptr<const void> lifetime() const { return canvas_.streams().lifetime(); }
 
@@ -115,8 +119,8 @@ class HierarchicalZRenderer {
     float largest_splat_px() const { return 2.0f / float(canvas_.samples_a_side()); }
 
     /// Whether geometry drawn before is nearer than the cell's bounds in every sample that these touch: nothing in the
-    /// cell then changes an exact picture. It is false for cells that reach to the near plane. In a far field closed
-    /// samples hide too, as in ZBufferRenderer::hidden.
+    /// cell then changes the picture. It is false for cells that reach to the near plane. In a far field closed samples
+    /// hide too, as in ZBufferRenderer::hidden.
     bool hidden(const Cell& cell, CellId) {
         const detail::SampleProjection& projection = canvas_.projection();
         const detail::BoxFootprint at(cell.bounds_center, cell.bounds_half, projection);

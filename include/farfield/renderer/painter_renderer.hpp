@@ -92,6 +92,7 @@ class PainterRenderer {
     static constexpr RendererFacts facts{.order = VisitOrder::back_to_front,
                                          .needs_ordering = OrderGuarantee::primitives,
                                          .keeps_sources = true,
+                                         .shares_sources = true,
                                          .tells_lifetime = true,
                                          .tells_light = true};
 
@@ -110,8 +111,9 @@ class PainterRenderer {
     std::uint32_t upload(const Source<P>& source) {
         return streams_.upload(source);
     }
+    std::uint32_t share(const PainterRenderer& other, std::uint32_t id) { return streams_.share(other.streams_, id); }
     void release(std::uint32_t id) { streams_.release(id); }
-    /// The memory of all that is uploaded: once, however many viewers draw it.
+    /// The memory of all that is uploaded: once, however many viewers and renderers draw it.
     std::size_t uploaded_bytes() const { return streams_.bytes(); }
     std::weak_ptr<const void> lifetime() const { return streams_.lifetime(); }
 

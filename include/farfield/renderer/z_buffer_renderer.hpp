@@ -34,6 +34,7 @@ namespace farfield {
 class ZBufferRenderer {
   public:
     static constexpr RendererFacts facts{.keeps_sources = true,
+                                         .shares_sources = true,
                                          .tells_lifetime = true,
                                          .tells_light = true,
                                          .draws_faces = true,
@@ -52,8 +53,9 @@ class ZBufferRenderer {
     std::uint32_t upload(const Source<P>& source) {
         return canvas_.upload(source);
     }
+    std::uint32_t share(const ZBufferRenderer& other, std::uint32_t id) { return canvas_.share(other.canvas_, id); }
     void release(std::uint32_t id) { canvas_.streams().release(id); }
-    /// The memory of all that is uploaded: once, however many viewers draw it.
+    /// The memory of all that is uploaded: once, however many viewers and renderers draw it.
     std::size_t uploaded_bytes() const { return canvas_.streams().bytes(); }
     std::weak_ptr<const void> lifetime() const { return canvas_.streams().lifetime(); }
 
@@ -73,10 +75,8 @@ class ZBufferRenderer {
     /// This is two samples: a deposit then touches at most three by three.
     float largest_splat_px() const { return 2.0f / float(canvas_.samples_a_side()); }
 
-    /// Whether a cell is hidden; ask front to back. Geometry drawn before hides, exactly, things behind all of it.
-    /// Where deposits closed a sample, contents of a loose cell that reach in front of a cell already drawn may be lost
-    /// with it, by less than a cell. Before the first deposit of a frame, a stand-in's or a triangle's, nothing is
-    /// hidden: an exact picture takes every primitive in the frustum.
+    /// Whether a cell is hidden: nothing in it then changes the picture. Before the first deposit of a frame, a
+    /// stand-in's or a triangle's, nothing is hidden: an exact picture takes every primitive in the frustum.
     bool hidden(const Cell& cell, CellId) {
         detail::SampleBuffers& buffers = canvas_.buffers();
         if (!buffers.has_far()) return false;
@@ -88,17 +88,18 @@ class ZBufferRenderer {
         if (!(nearest > 0)) return false;
         const float inverse = projection.inverse_w(p.z) * (1.0f / 256), x = p.x * inverse, y = p.y * inverse;
         const float skew = projection.is_perspective ? 1.0f : 0.0f, reach = radius / nearest;
-        const float rx = reach * (projection.focal.x + skew * std::abs(x)),
-                    ry = reach * (projection.focal.y + skew * std::abs(y));
+        const float beyond = std::max(1.0f, projection.reach);
+        const float rx = reach * (projection.focal.x + skew * std::abs(x)) + beyond,
+                    ry = reach * (projection.focal.y + skew * std::abs(y)) + beyond;
         if (!(rx < 64 && ry < 64)) return false;  // large ones are seldom hidden and their children are asked again
         const float cx = x + projection.offset_x * (1.0f / 256), cy = y + projection.offset_y * (1.0f / 256);
         constexpr float guard = detail::SampleProjection::guard_band;
         if (!(std::abs(cx) < guard && std::abs(cy) < guard)) return false;
-        // Nothing is nearer than this q, roundings included; vertices are snapped, hence one more sample around.
+        // Nothing is nearer than this q, roundings included.
         const float rounding = (std::abs(p.z) + radius) * 0x1p-16f, front = p.z - radius - rounding;
         const float q = projection.q(front, 1 / std::max(projection.w(front), 0.5f * nearest));
-        return buffers.all_settled(int(std::floor(cx - rx)) - 1, int(std::floor(cy - ry)) - 1,
-                                   int(std::floor(cx + rx)) + 1, int(std::floor(cy + ry)) + 1, q);
+        return buffers.all_settled(int(std::floor(cx - rx)), int(std::floor(cy - ry)), int(std::floor(cx + rx)),
+                                   int(std::floor(cy + ry)), q);
     }
 
   private:

@@ -38,7 +38,7 @@ struct LocalView {
     /// pixels are not square, it is the larger number.
     float focal_px = 1;
     glm::vec2 squeeze{1};        ///< pixels a unit takes to the right, and up, in parts of focal_px; at most 1
-    glm::dvec2 off_center{0.0};  ///< see Camera
+    glm::dvec2 off_center{0.0};  ///< see Camera; of this picture, whether it is a part or whole
     float near_depth = 0;        ///< local units; -infinity: nothing is cut
     float far_depth = std::numeric_limits<float>::infinity();  ///< local units
     float scale = 1;  ///< world units in one local unit of length: multiply depths by it to compare instances
@@ -46,6 +46,12 @@ struct LocalView {
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
+    /// Where the picture lies in the whole that the camera shows; the whole's size is set even where it is no part.
+    PartOfPicture part{};
+    glm::dvec2 whole_off_center{0.0};  ///< of the whole picture
+    /// Cells up to this many pixels, seen squarely, may be drawn as splats; 0: none is, and everything is drawn in its
+    /// place.
+    float largest_stand_in_px = 0;
     /// Coordinates are projected relative to this point of the ray through the middle of the picture, at
     /// `anchor_depth`. It is the eye with depth 0, unless the eye is so far that subtracting it would leave nothing of
     /// the coordinates.
@@ -56,36 +62,50 @@ struct LocalView {
     /// Goes into whatever is decided by a hash of coordinates, because instances have the same: a hash of the path of
     /// instances that leads here, 0 for the outermost hierarchy.
     std::uint32_t seed = 0;
-    /// Left, right, bottom, top, near, far, with unit normals; a point is inside where dot(xyz, p) + w >= 0.
+    /// Left, right, bottom, top, near, far, with unit normals; a point is inside where dot(xyz, p) + w >= 0. They are
+    /// the whole picture's, also in a tile, because what is chosen by them must not depend on how a picture is tiled.
     std::array<glm::vec4, plane_count> planes{};
+    /// A tile's own sides where it ends before the whole does, some pixels outwards: what stands in for a cell may
+    /// reach beyond the cell's bounds.
+    std::array<glm::vec4, border_count> borders{};
+    PlaneMask borders_used = 0;  ///< how many there are
 
     /// The hierarchy's coordinates are the user's minus `origin`; `bounds` are in its coordinates. Throws
     /// std::invalid_argument as View::check does.
-    LocalView(const View& view, glm::dvec3 origin, const Box& bounds)
+    LocalView(const View& view, glm::dvec3 origin, const Box& bounds, float stand_in_px = 0)
         : LocalView(view, origin,
                     bounds.is_empty() ? 1.0f : glm::min(length_of(bounds.size()), std::numeric_limits<float>::max()),
-                    bounds.is_empty() ? glm::vec3(0) : bounds.center()) {}
+                    bounds.is_empty() ? glm::vec3(0) : bounds.center(), stand_in_px) {}
     /// The same for a hierarchy whose bounds have this diagonal around this center.
-    LocalView(const View& view, glm::dvec3 origin, float diagonal, glm::vec3 center = glm::vec3(0))
+    LocalView(const View& view, glm::dvec3 origin, float diagonal, glm::vec3 center = glm::vec3(0),
+              float stand_in_px = 0)
         : eye(view.camera.eye - origin),
           right(view.camera.right),
           up(view.camera.up),
           forward(view.camera.forward),
           is_perspective(view.camera.projection == Projection::perspective),
           is_mirrored(view.camera.is_mirrored()),
-          focal_px(float(view.height) / (2 * view.camera.half_height)),
-          off_center(view.camera.off_center),
+          focal_px(float(view.whole_height()) / (2 * view.camera.half_height)),
           near_depth(view.camera.near_depth),
           far_depth(view.camera.far_depth),
           tolerance_px(view.tolerance_px),
           distance(view.distance),
           width(view.width),
           height(view.height),
+          part{view.part.left, view.part.top, view.whole_width(), view.whole_height()},
+          whole_off_center(view.camera.off_center),
+          largest_stand_in_px(stand_in_px),
           anchor(eye),
           depth_unit(std::ldexp(1.0f, glm::clamp(exponent_of(diagonal), -100, 100))) {
         view.validate();
+        off_center = whole_off_center;
+        if (!view.part.is_whole()) {
+            const glm::dvec2 size(width, height), whole(part.whole_width, part.whole_height);
+            const glm::dvec2 place(part.left, part.top);
+            off_center = (whole_off_center * whole + (2.0 * place + size - whole) * glm::dvec2(1, -1)) / size;
+        }
         if (view.camera.half_width > 0) {
-            const glm::vec2 focal(float(view.width) / (2 * view.camera.half_width), focal_px);
+            const glm::vec2 focal(float(part.whole_width) / (2 * view.camera.half_width), focal_px);
             focal_px = glm::max(focal.x, focal.y);
             squeeze = focal / focal_px;
         }
@@ -150,6 +170,18 @@ struct LocalView {
         return is_perspective && depth > 0 ? length_of(d) / depth : 1.0f;
     }
 
+    /// Pixels that what is drawn for a cell may reach beyond the cell's bounds, snapping left out: half a splat, which
+    /// lies about any point of its cell and is as large as the cell may look. (Away from the axis a cell is nearer than
+    /// its distance by stretch(), and is stretched by as much.) What is deposited for a small triangle reaches less far
+    /// than a pixel.
+    float reach_px() const {
+        if (!(largest_stand_in_px > 0)) return 0;
+        const glm::vec2 half = glm::vec2(part.whole_width, part.whole_height) / (2 * focal_px * squeeze);
+        const glm::vec2 away = half * (1.0f + glm::abs(glm::vec2(whole_off_center)));
+        const float squared_stretch = is_perspective ? 1 + glm::dot(away, away) : 1.0f;
+        return 0.75f * glm::max(1.0f, largest_stand_in_px * squared_stretch);
+    }
+
     /// The order in which points come front to back: the smaller the nearer.
     float order_of(glm::vec3 p) const {
         return is_perspective && anchor_depth == 0 ? length_of(p - eye) : glm::dot(p - anchor, forward);
@@ -182,7 +214,7 @@ struct LocalView {
             anchor = moved;
             anchor_depth = depth;
         } else {
-            const double seen = double(glm::max(width, height)) / double(focal_px);
+            const double seen = double(glm::max(part.whole_width, part.whole_height)) / double(focal_px);
             if (!(std::abs(to_center) > 4 * size || std::abs(to_center) > 64 * seen)) return;
             eye = anchor = moved;
             near_depth -= depth;
@@ -191,9 +223,9 @@ struct LocalView {
     }
 
     void set_planes() {
-        const float half_width = float(width) / (2 * focal_px * squeeze.x);
-        const float half_height = float(height) / (2 * focal_px * squeeze.y);
-        const glm::vec2 off(off_center);
+        const float half_width = float(part.whole_width) / (2 * focal_px * squeeze.x);
+        const float half_height = float(part.whole_height) / (2 * focal_px * squeeze.y);
+        const glm::vec2 off(whole_off_center);
         const auto side = [&](glm::vec3 axis, float half) {
             // Perspective planes pass through the eye and tilt inwards; orthographic ones stand beside it.
             if (!is_perspective) return glm::vec4(-axis, half + glm::dot(axis, eye));
@@ -209,6 +241,17 @@ struct LocalView {
         for (const std::size_t i : {4u, 5u}) {
             if (std::isinf(planes[i].w)) planes[i] = glm::vec4(0, 0, 0, 1);
         }
+        borders_used = 0;
+        const glm::vec2 pixel = 1.0f / (focal_px * squeeze);
+        const float outwards_px = 0.25f + reach_px();
+        const auto border = [&](glm::vec3 axis, float whole_half, int cut_off, float unit) {
+            const float outwards = float(cut_off) - outwards_px;
+            if (outwards > 0) borders[borders_used++] = side(axis, whole_half - outwards * unit);
+        };
+        border(-right, half_width * (1 - off.x), part.left, pixel.x);
+        border(right, half_width * (1 + off.x), part.whole_width - part.left - width, pixel.x);
+        border(-up, half_height * (1 - off.y), part.whole_height - part.top - height, pixel.y);
+        border(up, half_height * (1 + off.y), part.top, pixel.y);
     }
 };
 

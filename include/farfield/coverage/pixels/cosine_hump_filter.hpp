@@ -25,6 +25,7 @@ namespace farfield {
 class CosineHumpFilter {
   public:
     static constexpr int block_side_px = 8;
+    static constexpr int reach_px = 1;
     static constexpr bool has_blocks = false;
 
     /// Begins a frame; clears 16 bytes a pixel.

@@ -35,6 +35,11 @@ class PixelSamples {
   public:
     static constexpr int samples_a_side = 8;
     static constexpr bool shades_samples = false;  ///< one color a surface and pixel
+    /// Pixels beyond a pixel that its filter reaches.
+    static constexpr int reach_px = [] {
+        if constexpr (requires { Filter::reach_px; }) return int(Filter::reach_px);
+        return 0;
+    }();
 
     static constexpr bool takes_deposits = requires(Filter f) { f.add_sum(0, glm::vec4()); };
 
@@ -161,6 +166,7 @@ class SinglePixels {
   public:
     static constexpr int samples_a_side = 1;
     static constexpr bool shades_samples = true;
+    static constexpr int reach_px = 0;
     static constexpr bool takes_deposits = false;
 
     void begin(int width_px, int height_px) { pixels_.begin(width_px, height_px); }

@@ -80,6 +80,7 @@ struct CoverageTarget {
     typename Traits::work work;
     JitterPatterns patterns{masks == MaskSource::jittered ? Traits::jitter_patterns : 1};
     int first_x = 0, first_y = 0;  ///< the first sample, relative to the center sample
+    int left_px = 0, top_px = 0;   ///< where a tile lies in the whole picture
 
     void begin(int width_px, int height_px, int first_sample_x, int first_sample_y) {
         pyramid.begin(width_px * samples_type::samples_a_side, height_px * samples_type::samples_a_side);

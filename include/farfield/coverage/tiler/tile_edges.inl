@@ -161,8 +161,9 @@ class TileEdges {
             if constexpr (Target::masks == MaskSource::table) {
                 return EdgeMaskTable::instance().samples(at_first, a_[edge], b_[edge]);
             } else {
-                return samples(target_.patterns.pattern_of(8 * x + int(k % 8), 8 * y + int(k / 8)), at_first, a_[edge],
-                               b_[edge]);
+                return samples(target_.patterns.pattern_of(target_.left_px + 8 * x + int(k % 8),
+                                                           target_.top_px + 8 * y + int(k / 8)),
+                               at_first, a_[edge], b_[edge]);
             }
         }
     }

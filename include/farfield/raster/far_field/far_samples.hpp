@@ -19,8 +19,9 @@
 namespace farfield::detail {
 
 /// Samples are addressed from the upper left one. Deposits come front to back over a z-buffer of geometry: depths(y)[x]
-/// is larger when nearer, and a deposit behind it is dropped. A sample that lets nothing through any more, or whose
-/// geometry lies in front of a deposit, is *closed*: nothing later in that order can change it.
+/// is larger when nearer, and a deposit behind it is dropped, as if it had never come. A sample that lets nothing
+/// through any more is *closed*: nothing later can change it, geometry in front of it included. So what is left out
+/// because it is hidden leaves no trace, and tiles, where more is hidden, are parts of the whole picture.
 class FarSamples {
   public:
     using Sample = FarSample;
@@ -35,6 +36,15 @@ class FarSamples {
         bits_.assign(words_ * std::size_t(height), {});
         rect_ = {};
         has_begun_ = any_closed_ = false;
+        place(0, 0, width, height);
+    }
+    /// Says that the picture is a tile: where its upper left sample lies in the whole. Squares and points come in the
+    /// whole's coordinates and are rounded there, so that every tile rounds them alike.
+    void place(int left, int top, int whole_width, int whole_height) {
+        left_ = left;
+        top_ = top;
+        whole_width_ = whole_width;
+        whole_height_ = whole_height;
     }
 
     /// Clears only what was deposited since the last time.
@@ -83,22 +93,24 @@ class FarSamples {
     template <class Depths>
     void deposit_square(const Depths& depths, float left, float top, float right, float bottom, float q, Loss loss,
                         glm::vec3 rgb) {
-        const native_lanes::Square at(left, top, right, bottom, width_, height_);
+        const native_lanes::Square at(left, top, right, bottom, whole_width_, whole_height_);
         if (at.is_empty()) return;
         if (!at.is_small()) return deposit_large(depths, at.x0, at.y0, left, top, right, bottom, q, loss, rgb);
-        if (at.x0 < rect_.x0 || at.y0 < rect_.y0 || at.x1 >= rect_.x1 || at.y1 >= rect_.y1) {
-            rect_.add(at.x0, at.y0, at.x1 + 1, at.y1 + 1);
-        }
+        const int x0 = std::max(at.x0 - left_, 0), x1 = std::min(at.x1 - left_, width_ - 1);
+        const int y0 = std::max(at.y0 - top_, 0), y1 = std::min(at.y1 - top_, height_ - 1);
+        if (x0 > x1 || y0 > y1) return;
+        if (x0 < rect_.x0 || y0 < rect_.y0 || x1 >= rect_.x1 || y1 >= rect_.y1) rect_.add(x0, y0, x1 + 1, y1 + 1);
         const native_lanes::Deposit deposit(loss, rgb);
-        for (int y = at.y0 + 1; y <= at.y1; ++y) {
-            __builtin_prefetch(&samples_[index(at.x0, y)], 1);
-            __builtin_prefetch(&samples_[index(at.x1, y)], 1);
+        for (int y = y0 + 1; y <= y1; ++y) {
+            __builtin_prefetch(&samples_[index(x0, y)], 1);
+            __builtin_prefetch(&samples_[index(x1, y)], 1);
         }
+        const int first_column = left_ - at.x0, first_row = top_ - at.y0;
         bool closed = false;
-        for (int y = at.y0; y <= at.y1; ++y) {
+        for (int y = y0; y <= y1; ++y) {
             const auto row = row_of(depths, y);
-            const auto rows = at.rows(y - at.y0);
-            for (int x = at.x0; x <= at.x1; ++x) closed |= into(row, x, q, deposit, at.columns(x - at.x0), rows);
+            const auto rows = at.rows(y + first_row);
+            for (int x = x0; x <= x1; ++x) closed |= into(row, x, q, deposit, at.columns(x + first_column), rows);
         }
         any_closed_ |= closed;
     }
@@ -107,12 +119,14 @@ class FarSamples {
     /// only if that changes anything.
     template <class Depths, class Color>
     void deposit_in_lane(const Depths& depths, float x, float y, float area, float q, Loss loss, Color&& rgb) {
-        if (!(x >= 0 && y >= 0 && x < float(width_) && y < float(height_))) return;
-        const int i = int(x), j = int(y);
+        if (!(x >= 0 && y >= 0 && x < float(whole_width_) && y < float(whole_height_))) return;
+        const int i = int(x) - left_, j = int(y) - top_;
+        if (i < 0 || j < 0 || i >= width_ || j >= height_) return;
         const auto row = row_of(depths, j);
         if (!is_touched_by(row, i, q)) return;
         if (i < rect_.x0 || j < rect_.y0 || i >= rect_.x1 || j >= rect_.y1) rect_.add(i, j, i + 1, j + 1);
-        const int column = int((x - float(i)) * float(lanes::side)), line = int((y - float(j)) * float(lanes::side));
+        const int column = int((x - float(int(x))) * float(lanes::side));
+        const int line = int((y - float(int(y))) * float(lanes::side));
         if (!one_lane_at_a_time::into_lane(row.samples[i], line * lanes::side + column, area * float(lanes::count),
                                            loss, rgb()))
             return;
@@ -138,11 +152,12 @@ class FarSamples {
     bool is_open(int x, int y) const { return bits_of(x, y).open >> (x & 63) & 1; }
 
     /// The deposits into a sample, or null if there are none or if geometry that was drawn later, at `depth`, lies in
-    /// front of the first.
+    /// front of the first and came before the sample was closed.
     const Sample* over(float depth, int x, int y) const {
-        if ((bits_of(x, y).touched >> (x & 63) & 1) == 0) return nullptr;
+        const Bits& bits = bits_of(x, y);
+        if ((bits.touched >> (x & 63) & 1) == 0) return nullptr;
         const std::size_t at = index(x, y);
-        return first_deposit_[at] > depth ? &samples_[at] : nullptr;
+        return first_deposit_[at] > depth || (bits.open >> (x & 63) & 1) == 0 ? &samples_[at] : nullptr;
     }
 
     /// Calls f(x, y) for every sample that was deposited into.
@@ -200,17 +215,13 @@ class FarSamples {
         return closes;
     }
 
-    /// Whether a deposit changes a sample, which is then marked as touched; closes it where geometry is nearer.
+    /// Whether a deposit changes a sample, which is then marked as touched.
     template <class Row>
     bool is_touched_by(const Row& row, int x, float q) {
         const std::uint64_t bit = std::uint64_t(1) << (x & 63);
         Bits& bits = row.bits[x >> 6];
         if ((bits.open & bit) == 0) return false;
-        if (q <= row.depth[x]) {
-            bits.open &= ~bit;
-            any_closed_ = true;
-            return false;
-        }
+        if (q <= row.depth[x]) return false;
         if ((bits.touched & bit) == 0) {
             bits.touched |= bit;
             first_deposit_[row.first + std::size_t(x)] = q;
@@ -222,6 +233,7 @@ class FarSamples {
     const Bits& bits_of(int x, int y) const { return bits_[std::size_t(y) * words_ + std::size_t(x >> 6)]; }
 
     int width_ = 0, height_ = 0;
+    int left_ = 0, top_ = 0, whole_width_ = 0, whole_height_ = 0;
     std::size_t words_ = 0;
     std::vector<Sample> samples_;
     std::vector<float> first_deposit_;  ///< q of the first and nearest, for samples touched

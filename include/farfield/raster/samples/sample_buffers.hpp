@@ -40,6 +40,9 @@ class SampleBuffers {
         first_x_ = projection.first_x;
         first_y_ = projection.first_y;
         blocks_.place(first_x_, first_y_);
+        whole_x_ = float(first_x_ - projection.left);
+        whole_y_ = float(first_y_ - projection.top);
+        far_.place(projection.left, projection.top, projection.whole_width, projection.whole_height);
     }
 
     int samples_a_side() const { return side_; }
@@ -58,14 +61,14 @@ class SampleBuffers {
     }
     /// See FarSamples::deposit_square.
     void deposit_square(float left, float top, float right, float bottom, float q, Loss loss, glm::vec3 rgb) {
-        const auto x0 = float(first_x_), y0 = float(first_y_);
-        far_.deposit_square(blocks_, left - x0, top - y0, right - x0, bottom - y0, q, loss, rgb);
+        far_.deposit_square(blocks_, left - whole_x_, top - whole_y_, right - whole_x_, bottom - whole_y_, q, loss,
+                            rgb);
     }
 
     /// See FarSamples::deposit_in_lane.
     template <class Color>
     void deposit_in_lane(float x, float y, float area, float q, Loss loss, Color&& rgb) {
-        far_.deposit_in_lane(blocks_, x - float(first_x_), y - float(first_y_), area, q, loss, rgb);
+        far_.deposit_in_lane(blocks_, x - whole_x_, y - whole_y_, area, q, loss, rgb);
     }
 
     /// Whether nothing as far as q or farther can change any sample of a rectangle (ends included), because each is
@@ -198,6 +201,7 @@ class SampleBuffers {
     MadeFor<Kind> made_for_;
     int width_ = 0, height_ = 0, side_ = 1;
     int first_x_ = 0, first_y_ = 0;
+    float whole_x_ = 0, whole_y_ = 0;  ///< the whole picture's first sample
     Rgba8 background_{0, 0, 0, 0};
     SampleBlocks blocks_;      ///< opaque, or the background
     std::vector<Rgba8> rows_;  ///< of one row of pixels

@@ -8,7 +8,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
 
+#include "farfield/fail.hpp"
 #include "farfield/image.hpp"
 #include "farfield/raster/light_in_view.hpp"
 #include "farfield/raster/render_options.hpp"
@@ -47,6 +50,14 @@ class ZBufferCanvas {
     template <class P>
     std::uint32_t upload(const Source<P>& source) {
         return streams_.upload(source, options_.copies_sources);
+    }
+    /// Throws std::invalid_argument if the other keeps no triangles and this one is to.
+    std::uint32_t share(const ZBufferCanvas& other, std::uint32_t id) {
+        if (options_.copies_sources && !other.options_.copies_sources) {
+            fail<std::invalid_argument>("farfield::" + std::string(renderer_) +
+                                        ": copies_sources must be false here too, as where its sources come from");
+        }
+        return streams_.share(other.streams_, id);
     }
     SourceSlots<TriangleStream>& streams() { return streams_; }
     const SourceSlots<TriangleStream>& streams() const { return streams_; }

@@ -96,8 +96,8 @@ inline TriageMasks triage(const TriangleBlock& block, const SampleProjection& pr
             const float limit = deposited_below * 256;
             const Ints is_small = (high_x - low_x < limit) & (high_y - low_y < limit);
             const Floats doubled_area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
-            const Ints in_image = (high_x > float(projection.first_x) * 256) & (low_x < float(projection.end_x) * 256) &
-                                  (high_y > float(projection.first_y) * 256) & (low_y < float(projection.end_y) * 256);
+            const Ints in_image = (high_x > projection.small_left) & (low_x < projection.small_right) &
+                                  (high_y > projection.small_top) & (low_y < projection.small_bottom);
             masks.small_ones |= bits(is_small & in_image & (doubled_area != 0.0f) & ~(clip | gone)) << first;
             masks.front |= bits(doubled_area < 0.0f) << first;
             store(out.center_x + first, (x[0] + x[1] + x[2]) * (1.0f / 768));
