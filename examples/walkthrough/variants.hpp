@@ -46,6 +46,8 @@ Recipe color_cube_1995();
 Recipe color_cube_cluster();
 Recipe color_cube_shared();
 Recipe opacity_tensor();
+Recipe sample_tree();
+Recipe sample_tree_tensor();
 Recipe bsp();
 Recipe octree_of_bsps();
 

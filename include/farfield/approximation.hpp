@@ -56,6 +56,7 @@ struct ApproximationFacts {
     bool bounds_error = false;       ///< BoundsError is required
     bool compares = false;           ///< ComparesWithChildren is required; not where there is a pool
     bool provides_area_law = false;  ///< ProvidesAreaLaw is required; only where cells have stand-ins
+    bool samples_primitives = false;  ///< SamplesPrimitives is required; only where cells have stand-ins
     std::uint32_t file_tag = 0;  ///< names the policy in files; change it with the meaning of the data. 0: never stored
 };
 
@@ -171,7 +172,28 @@ concept ProvidesAreaLaw = requires(const A& a, const typename A::stand_in_data& 
     { a.area_law(data) } -> std::same_as<std::optional<AreaLaw>>;
 };
 
+/// What moving samples up has left of a cell, as parts of the area of all that lies in it: `left` in its subtree, `own`
+/// in its own run. Cells above hold the rest, and it is drawn with them.
+struct SampledCell {
+    float left = 1, own = 1;
+};
+
+/// Inner cells hold samples of what lies below them, so that a frame refines by adding (Klein et al. 2002). A build
+/// gives every primitive sample_key(index, area) and moves those of the least keys up: a cell and the cells above it
+/// hold together the sample_size(q) least of all in the cell, where q is their area in squares of the cell's side. Keys
+/// are 0 or more, infinity for what never moves. sampled() is told what that has left of a cell whose stand-in was made
+/// from all that lies in it. Every primitive is in one cell, and no order of primitives is kept.
+template <class A>
+concept SamplesPrimitives = A::facts.accepts == Assignments(Assignment::unique) && A::facts.needs_polygons &&
+    requires(const A& a, const typename A::stand_in_data& data) {
+    { a.sample_key(std::uint32_t(), 0.0) } -> std::same_as<float>;
+    { a.sample_size(0.0) } -> std::same_as<std::uint32_t>;
+    { a.sampled(data, SampledCell{}) } -> std::same_as<typename A::stand_in_data>;
+};
+
 namespace detail {
+template <class A>
+concept SamplesPrimitivesIfStated = !A::facts.samples_primitives || (A::facts.stands_in && SamplesPrimitives<A>);
 template <class A>
 concept FinishesAndDrawsAsStated = (A::facts.has_pool && FinishesAndDrawsFromPool<A>) ||
                                    (!A::facts.has_pool && FinishesAndDraws<A>);
@@ -190,7 +212,8 @@ concept ProvidesAreaLawIfStated = !A::facts.provides_area_law || (A::facts.stand
 template <class A>
 concept Approximation =
     StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> && detail::MergesOctantsIfStated<A> &&
-    detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> && detail::ProvidesAreaLawIfStated<A>;
+    detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> && detail::ProvidesAreaLawIfStated<A> &&
+    detail::SamplesPrimitivesIfStated<A>;
 
 // --- the one place where hooks are called whose form, or presence, depends on the approximation
 

@@ -173,6 +173,11 @@ constexpr bool check_stand_ins() {
             !A::facts.provides_area_law || ProvidesAreaLaw<A>,
             "farfield: an approximation with `provides_area_law` needs `std::optional<AreaLaw> area_law(const "
             "stand_in_data&) const`");
+        static_assert(
+            !A::facts.samples_primitives || SamplesPrimitives<A>,
+            "farfield: an approximation with `samples_primitives` needs polygons, accepts `unique` alone, and "
+            "has `float sample_key(std::uint32_t, double) const`, `std::uint32_t sample_size(double) const` "
+            "and `stand_in_data sampled(const stand_in_data&, SampledCell) const`");
     }
     return true;
 }
@@ -187,8 +192,11 @@ constexpr bool check_approximation() {
         if constexpr (A::facts.stands_in) {
             static_assert(check_stand_ins<A>());
         } else {
-            static_assert(!A::facts.merges_octants && !A::facts.compares && !A::facts.provides_area_law,
-                          "farfield: `merges_octants`, `compares` and `provides_area_law` go with `stands_in` only");
+            static_assert(
+                !A::facts.merges_octants && !A::facts.compares && !A::facts.provides_area_law &&
+                    !A::facts.samples_primitives,
+                "farfield: `merges_octants`, `compares`, `provides_area_law` and `samples_primitives` go with "
+                "`stands_in` only");
         }
         static_assert(
             !A::facts.bounds_error || BoundsError<A>,

@@ -1,0 +1,183 @@
+// A phase of a build: samples of what lies below a cell move up into it (Klein et al. 2002, section 5.2).
+//
+// Keys are drawn once a primitive, and the m primitives of the least keys are a sample of size m: a race of exponential
+// clocks (Efraimidis and Spirakis 2006). Samples of a cell are then samples of its children first, whatever the order
+// of moving, and the tree is a function of the contents alone. The paper draws anew at every cell.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "farfield/approximation.hpp"
+#include "farfield/build/build_node.hpp"
+
+namespace farfield::detail {
+
+/// Finds the cell that holds each item once samples have moved. Nodes come parents before children, with items depth
+/// first.
+template <class A, class BuildNode_>
+class MoveUp {
+  public:
+    /// Areas and indices of primitives are by position, areas in squares of a unit of `unit`.
+    MoveUp(const A& approximation, std::span<const BuildNode_> nodes, std::span<const std::uint32_t> order,
+           std::span<const float> areas, float unit)
+        : approximation_(approximation), nodes_(nodes), order_(order), areas_(areas), unit_(unit) {}
+
+    void find_samples() {
+        keys_.resize(order_.size());
+        for (std::size_t at = 0; at < order_.size(); ++at) {
+            keys_[at] = areas_[at] > 0 ? approximation_.sample_key(order_[at], areas_[at])
+                                       : std::numeric_limits<float>::infinity();
+        }
+        lists_.resize(nodes_.size());
+        cells_area_.assign(nodes_.size(), 0);
+        for (std::size_t n = nodes_.size(); n-- > 0;) make_list(n);
+        give_to_highest();
+    }
+
+    /// Appends the indices of what node n holds now: its sample in the order of its keys, then what never was in one.
+    void append_items(std::size_t n, std::vector<std::uint32_t>& out) const {
+        const BuildNode_& node = nodes_[n];
+        for (const std::uint32_t at : list(n)) {
+            if (holder_[at] == n) out.push_back(order_[at]);
+        }
+        for (std::uint32_t at = node.first_item; at < node.first_item + node.count; ++at) {
+            if (holder_[at] == no_holder) out.push_back(order_[at]);
+        }
+    }
+
+    /// What moving has left of each node's cell.
+    std::vector<SampledCell> sampled_cells() const {
+        std::vector<double> own(nodes_.size(), 0), left(nodes_.size(), 0);
+        for (std::size_t n = 0; n < nodes_.size(); ++n) {
+            for (const std::uint32_t at : list(n)) {
+                if (holder_[at] == n) own[n] += areas_[at];
+            }
+            const BuildNode_& node = nodes_[n];
+            for (std::uint32_t at = node.first_item; at < node.first_item + node.count; ++at) {
+                if (holder_[at] == no_holder) own[n] += areas_[at];
+            }
+        }
+        std::vector<SampledCell> out(nodes_.size());
+        for (std::size_t n = nodes_.size(); n-- > 0;) {
+            left[n] = own[n];
+            for_each_child(n, [&](std::size_t child) { left[n] += left[child]; });
+            if (cells_area_[n] > 0) out[n] = {float(left[n] / cells_area_[n]), float(own[n] / cells_area_[n])};
+        }
+        return out;
+    }
+
+  private:
+    static constexpr std::uint32_t no_holder = std::numeric_limits<std::uint32_t>::max();
+
+    struct List {
+        std::size_t first = 0;
+        std::uint32_t count = 0;
+        bool is_all = false;  ///< it holds all of the subtree that may move
+    };
+
+    template <class F>
+    void for_each_child(std::size_t n, F&& f) const {
+        const BuildNode_& node = nodes_[n];
+        for (int c = 0; c < std::popcount(node.child_mask); ++c) f(node.first_child + std::size_t(c));
+    }
+    std::span<const std::uint32_t> list(std::size_t n) const {
+        return std::span(listed_).subspan(lists_[n].first, lists_[n].count);
+    }
+    bool wins(std::uint32_t a, std::uint32_t b) const {
+        return keys_[a] != keys_[b] ? keys_[a] < keys_[b] : order_[a] < order_[b];
+    }
+
+    /// Positions of the least keys in node n's subtree, ascending: all of a leaf's that have one, else as many as its
+    /// sample asks for.
+    void make_list(std::size_t n) {
+        const BuildNode_& node = nodes_[n];
+        candidates_.clear();
+        add_candidates(node.first_item, node.first_item + std::uint32_t(node.count));
+        double area = 0;
+        for (std::uint32_t at = node.first_item; at < node.first_item + node.count; ++at) area += areas_[at];
+        bool is_all = true;
+        for_each_child(n, [&](std::size_t child) {
+            area += cells_area_[child];
+            const auto below = list(child);
+            candidates_.insert(candidates_.end(), below.begin(), below.end());
+            is_all = is_all && lists_[child].is_all;
+        });
+        cells_area_[n] = area;
+        std::size_t count = candidates_.size();
+        if (node.child_mask != 0) {
+            const double side = double(node.cell.largest_side()) * unit_;
+            count = approximation_.sample_size(side > 0 ? area / (side * side) : 0);
+        }
+        choose(count);
+        if (!is_all && some_child_is_short(n, count)) {
+            // A child's whole list is among the least keys, and so may be what its list left out.
+            candidates_.clear();
+            add_candidates(node.first_item, node.end_item);
+            is_all = true;
+            choose(count);
+        }
+        is_all = is_all && candidates_.size() <= count;
+        count = std::min(count, candidates_.size());
+        lists_[n] = {listed_.size(), std::uint32_t(count), is_all};
+        listed_.insert(listed_.end(), candidates_.begin(), candidates_.begin() + std::ptrdiff_t(count));
+    }
+
+    void add_candidates(std::uint32_t first, std::uint32_t end) {
+        for (std::uint32_t at = first; at < end; ++at) {
+            if (keys_[at] < std::numeric_limits<float>::infinity()) candidates_.push_back(at);
+        }
+    }
+
+    /// Puts the least `count` first, in order.
+    void choose(std::size_t count) {
+        const auto by_key = [this](std::uint32_t a, std::uint32_t b) { return wins(a, b); };
+        const auto middle = candidates_.begin() + std::ptrdiff_t(std::min(count, candidates_.size()));
+        if (middle != candidates_.end()) std::nth_element(candidates_.begin(), middle, candidates_.end(), by_key);
+        std::sort(candidates_.begin(), middle, by_key);
+    }
+
+    bool some_child_is_short(std::size_t n, std::size_t count) const {
+        if (count == 0 || candidates_.empty()) return false;
+        const bool takes_all = candidates_.size() <= count;
+        const std::uint32_t last = candidates_[std::min(count, candidates_.size()) - 1];
+        bool is_short = false;
+        for_each_child(n, [&](std::size_t child) {
+            if (lists_[child].is_all || lists_[child].count == 0) return;
+            is_short = is_short || takes_all || !wins(last, list(child).back());
+        });
+        return is_short;
+    }
+
+    void give_to_highest() {
+        holder_.assign(order_.size(), no_holder);
+        for (std::size_t n = 0; n < nodes_.size(); ++n) {
+            for (const std::uint32_t at : list(n)) {
+                if (holder_[at] == no_holder) holder_[at] = std::uint32_t(n);
+            }
+        }
+    }
+
+    const A& approximation_;
+    std::span<const BuildNode_> nodes_;
+    std::span<const std::uint32_t> order_;
+    std::span<const float> areas_;
+    float unit_;
+
+    std::vector<float> keys_;                ///< by position
+    std::vector<double> cells_area_;         ///< of all in a node's subtree
+    std::vector<List> lists_;                ///< by node
+    std::vector<std::uint32_t> listed_;      ///< positions
+    std::vector<std::uint32_t> candidates_;  ///< of one node
+    std::vector<std::uint32_t> holder_;      ///< by position: the node whose sample it is in
+};
+
+}  // namespace farfield::detail
