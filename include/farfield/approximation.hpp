@@ -9,7 +9,7 @@
 //     finish(cell, draft)             -> stand_in_data
 //     expected_work()                 -> Work               of drawing one, before any exists
 //     error_px(data, cell, view)      -> float              of the picture if it is drawn; infinity: never
-//     draw_stand_in(data, cell, view, sink)                 sink(Face) or sink(Splat)
+//     draw_stand_in(data, cell, view, sink)                 sink(Face), sink(Splat) or sink(OwnRun)
 //
 // and may bring, taken where it is there:
 //
@@ -50,12 +50,12 @@ struct ApproximationFacts {
     Assignments accepts = Assignments::all();
     bool needs_polygons = false;  ///< of the primitive
     OrderGuarantee needs_ordering = OrderGuarantee::none;
-    bool stands_in = false;          ///< MakesStandIns is required
-    bool merges_octants = false;     ///< MergesOctants is required: parents are made from their children
-    bool has_pool = false;           ///< data of varying size: hooks that take or make data get the pool after it
-    bool bounds_error = false;       ///< BoundsError is required
-    bool compares = false;           ///< ComparesWithChildren is required; not where there is a pool
-    bool provides_area_law = false;  ///< ProvidesAreaLaw is required; only where cells have stand-ins
+    bool stands_in = false;           ///< MakesStandIns is required
+    bool merges_octants = false;      ///< MergesOctants is required: parents are made from their children
+    bool has_pool = false;            ///< data of varying size: hooks that take or make data get the pool after it
+    bool bounds_error = false;        ///< BoundsError is required
+    bool compares = false;            ///< ComparesWithChildren is required; not where there is a pool
+    bool provides_area_law = false;   ///< ProvidesAreaLaw is required; only where cells have stand-ins
     bool samples_primitives = false;  ///< SamplesPrimitives is required; only where cells have stand-ins
     std::uint32_t file_tag = 0;  ///< names the policy in files; change it with the meaning of the data. 0: never stored
 };
@@ -80,6 +80,7 @@ struct StandInSink {
     float splat_limit_px = 0;
     void operator()(const Face&) const {}
     void operator()(const Splat&) const {}
+    void operator()(OwnRun) const {}
 };
 /// Polygons of a part of the scene in local coordinates: visit(sink) calls sink(Polygon) for each.
 struct Contents {
@@ -176,6 +177,7 @@ concept ProvidesAreaLaw = requires(const A& a, const typename A::stand_in_data& 
 /// in its own run. Cells above hold the rest, and it is drawn with them.
 struct SampledCell {
     float left = 1, own = 1;
+    std::uint32_t own_items = 0;  ///< in its own run
 };
 
 /// Inner cells hold samples of what lies below them, so that a frame refines by adding (Klein et al. 2002). A build
@@ -184,8 +186,8 @@ struct SampledCell {
 /// are 0 or more, infinity for what never moves. sampled() is told what that has left of a cell whose stand-in was made
 /// from all that lies in it. Every primitive is in one cell, and no order of primitives is kept.
 template <class A>
-concept SamplesPrimitives = A::facts.accepts == Assignments(Assignment::unique) && A::facts.needs_polygons &&
-    requires(const A& a, const typename A::stand_in_data& data) {
+concept SamplesPrimitives = A::facts.accepts == Assignments(Assignment::unique) &&
+                            A::facts.needs_polygons&& requires(const A& a, const typename A::stand_in_data& data) {
     { a.sample_key(std::uint32_t(), 0.0) } -> std::same_as<float>;
     { a.sample_size(0.0) } -> std::same_as<std::uint32_t>;
     { a.sampled(data, SampledCell{}) } -> std::same_as<typename A::stand_in_data>;
@@ -210,10 +212,9 @@ concept ProvidesAreaLawIfStated = !A::facts.provides_area_law || (A::facts.stand
 }  // namespace detail
 
 template <class A>
-concept Approximation =
-    StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> && detail::MergesOctantsIfStated<A> &&
-    detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> && detail::ProvidesAreaLawIfStated<A> &&
-    detail::SamplesPrimitivesIfStated<A>;
+concept Approximation = StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> &&
+    detail::MergesOctantsIfStated<A> && detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> &&
+    detail::ProvidesAreaLawIfStated<A> && detail::SamplesPrimitivesIfStated<A>;
 
 // --- the one place where hooks are called whose form, or presence, depends on the approximation
 
@@ -280,6 +281,7 @@ struct FacesAsPolygons {
     float splat_limit_px = 0;
     void operator()(const Face& face) const { emit_polygon(face, sink); }
     void operator()(const Splat&) const {}
+    void operator()(OwnRun) const {}
 };
 
 template <class A, class Data, class Pool, class Sink>

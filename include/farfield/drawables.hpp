@@ -90,6 +90,9 @@ struct Splat {
     Rgba8 rgb;       ///< of what covers, not premultiplied; alpha holds the area law's class
 };
 
+/// The cell's own primitives, as they are: what a stand-in may be made of where cells hold samples of their contents.
+struct OwnRun {};
+
 /// Calls sink(Polygon) with a face, its color no longer premultiplied; not where nothing would be seen of it.
 template <class Sink>
 void emit_polygon(const Face& face, Sink&& sink) {

@@ -28,10 +28,10 @@ namespace farfield {
 /// fill. The paper has one color ("the median of all polygon colors depending on the polygon areas"), which shows what
 /// lies behind as often as what lies in front; here it is a mean of what a sampled image shows from each side.
 struct AreaSplat {
-    /// `deposit`: a rectangle as large as the cell, as opaque as the areas fill it. `area`: opaque, and as large as the
-    /// areas. `cell`: opaque and as large as the cell, as the paper draws it; thin things become too large.
-    enum class Form : std::uint8_t { deposit, area, cell };
-    Form form = Form::deposit;
+    /// The size of the splat, which is opaque: that of the areas; or of the cell, as the paper draws it, where thin
+    /// things become too large and nothing has holes.
+    enum class Size : std::uint8_t { of_areas, of_cell };
+    Size size = Size::of_areas;
     /// Orthographic samples along a side of the cell, 1 to 8, that colors are made from. 0 takes all polygons, hidden
     /// or not, weighted by their projected areas: the paper's color, from each side.
     std::uint32_t samples = 4;
@@ -53,7 +53,7 @@ struct AreaSplat {
                                               .file_tag = 0x41530001u};
 
     const char* wrong_option() const {
-        if (form > Form::cell) return "AreaSplat: an option is not in its enum";
+        if (size > Size::of_cell) return "AreaSplat: an option is not in its enum";
         if (samples > 8) return "AreaSplat: samples must be at most 8";
         return shown > 0 && shown <= 1 ? nullptr : "AreaSplat: shown must lie above 0 and at most at 1";
     }
@@ -110,11 +110,15 @@ struct AreaSplat {
             data[std::size_t(axis)].a = std::uint8_t(inside * 255 + 0.5f);
         }
         const float side = cell.largest_side() * unit;
-        const float filled = side > 0 ? std::min(shown * d.area / (side * side), 1.0f) : 1.0f;
-        const auto part = std::max(unsigned(filled * 65535 + 0.5f), 1u);  // 0 is nothing
-        data[3].a = std::uint8_t(part >> 8);
-        data[4].a = std::uint8_t(part & 255);
-        data[5].a = 0;
+        set_filled_part(data, side > 0 ? std::min(shown * d.area / (side * side), 1.0f) : 1.0f);
+        return data;
+    }
+
+    /// What is left to draw where `drawn` of the areas, 0 to 1, has been drawn: of a side of which `a` is filled in
+    /// all, the part of what a drawn leaves.
+    stand_in_data rest_of(stand_in_data data, float drawn) const {
+        const float all = filled_part(data), covered = all * drawn;
+        if (all > 0) set_filled_part(data, covered < 1 ? (all - covered) / (1 - covered) : 1.0f);
         return data;
     }
 
@@ -134,25 +138,20 @@ struct AreaSplat {
         return least_projected_side(cell, levels, view);
     }
 
-    /// One splat, or the faces that are seen where it is too large for one or the renderer has none.
+    /// One splat, or the faces that are seen where the renderer has none.
     template <class Sink>
     void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
         const float part = filled_part(data);
         if (part == 0) return;
         const VisibleFaces seen(cell, view);
-        const float opacity = form == Form::deposit ? part : 1.0f;
-        const float size = form == Form::area ? std::sqrt(part) : 1.0f;
+        const float shrunk = size == Size::of_areas ? std::sqrt(part) : 1.0f;
         const glm::vec3 center = center_in(data, cell);
-        if (!is_small(center, cell.largest_side(), view, sink.splat_limit_px)) {
-            const Rgba8 alpha = to_rgba8(glm::vec4(0, 0, 0, opacity));
+        if (!(sink.splat_limit_px > 0)) {
             for (int i = 0; i < seen.count; ++i) {
                 const unsigned side = seen.side[std::size_t(i)];
-                const glm::vec3 rgb = glm::vec3(data[side].r, data[side].g, data[side].b) * (opacity / 255);
-                Face face = face_of(cell, side, to_rgba8(glm::vec4(rgb, float(alpha.a) / 255)));
-                if (size < 1) {
-                    face.lower = center + (face.lower - cell.center) * size;
-                    face.upper = center + (face.upper - cell.center) * size;
-                }
+                Face face = face_of(cell, side, {data[side].r, data[side].g, data[side].b, 255});
+                face.lower = center + (face.lower - cell.center) * shrunk;
+                face.upper = center + (face.upper - cell.center) * shrunk;
                 sink(face);
             }
             return;
@@ -167,13 +166,18 @@ struct AreaSplat {
         }
         if (!(weight > 0)) return;
         const glm::vec3 rgb = glm::min(sum / weight + 0.5f, glm::vec3(255.0f));
-        const AreaLaw law = law_of_opacity(opacity);
-        sink(Splat{center, glm::vec2(cell.largest_side() * size * std::sqrt(view.stretch(center))), opacity,
-                   Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});
+        sink(Splat{
+            center, glm::vec2(cell.largest_side() * shrunk * std::sqrt(view.stretch(center))), 1,
+            Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(AreaLaw::coherent)}});
     }
 
   private:
     ColorCube colors() const { return {.samples = samples}; }
+    static void set_filled_part(stand_in_data& data, float part) {
+        const auto steps = std::max(unsigned(part * 65535 + 0.5f), 1u);  // 0 is nothing
+        data[3].a = std::uint8_t(steps >> 8);
+        data[4].a = std::uint8_t(steps & 255);
+    }
     static float filled_part(const stand_in_data& data) {
         return float(unsigned(data[3].a) << 8 | data[4].a) * (1.0f / 65535);
     }

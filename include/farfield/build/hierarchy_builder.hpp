@@ -11,6 +11,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -188,17 +189,20 @@ class HierarchyBuilder {
 
     void move_up() {
         constexpr std::size_t chunk = 4096;
-        const float unit = data_.facts.root.to_ordinary();
-        std::vector<float> areas(data_.order.size());
+        const float scale = data_.facts.root.to_ordinary();
+        std::vector<float> areas(data_.order.size()), keys(areas.size());
         control_.run_quietly((areas.size() + chunk - 1) / chunk, [&](std::size_t i) {
             for (std::size_t at = i * chunk; at < std::min((i + 1) * chunk, areas.size()); ++at) {
-                areas[at] = area_of(std::uint32_t(at), unit);
+                areas[at] = area_of(std::uint32_t(at), scale);
+                keys[at] = areas[at] > 0 && may_move(data_.order[at])
+                               ? approximation_.sample_key(data_.order[at], areas[at])
+                               : std::numeric_limits<float>::infinity();
             }
         });
         std::vector<std::uint32_t> moved;
         moved.reserve(data_.order.size());
         {
-            MoveUp<A, DraftCell> samples(approximation_, nodes_, data_.order, areas, unit);
+            MoveUp<A, DraftCell> samples(approximation_, nodes_, data_.order, keys, areas, scale);
             samples.find_samples();
             sampled_cells_ = samples.sampled_cells();
             order_depth_first([&](std::size_t n) {
@@ -214,18 +218,22 @@ class HierarchyBuilder {
         data_.order = std::move(moved);
     }
 
-    /// In squares of a unit of `unit`. Instances have none, so that they stay where they are: a cell further up would
-    /// draw all that is in them.
-    float area_of(std::uint32_t position, float unit) const {
+    /// Instances stay where they are: a cell further up would draw all that is in them.
+    bool may_move([[maybe_unused]] std::uint32_t primitive) const {
+        if constexpr (PrimitiveWithInstance<P>) {
+            return !primitive_traits<P>::visit_instance(primitives_[primitive], [](const auto&) {});
+        }
+        return true;
+    }
+
+    /// In squares of 1 / scale; an instance's is that of its stand-in.
+    float area_of(std::uint32_t position, float scale) const {
         prefetch(position + 12);
         const P& primitive = primitives_[data_.order[position]];
-        if constexpr (PrimitiveWithInstance<P>) {
-            if (primitive_traits<P>::visit_instance(primitive, [](const auto&) {})) return 0;
-        }
         double doubled = 0;
         local_polygons(primitive, data_.facts.origin, [&](const Polygon& polygon) {
             doubled += double(glm::length(doubled_area<float>(
-                polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i] * unit; })));
+                polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i] * scale; })));
         });
         return float(0.5 * doubled);
     }

@@ -26,17 +26,12 @@ namespace farfield::detail {
 template <class A, class BuildNode_>
 class MoveUp {
   public:
-    /// Areas and indices of primitives are by position, areas in squares of a unit of `unit`.
+    /// Indices of primitives, their keys and their areas are by position; areas are in squares of 1 / `scale`.
     MoveUp(const A& approximation, std::span<const BuildNode_> nodes, std::span<const std::uint32_t> order,
-           std::span<const float> areas, float unit)
-        : approximation_(approximation), nodes_(nodes), order_(order), areas_(areas), unit_(unit) {}
+           std::span<const float> keys, std::span<const float> areas, float scale)
+        : approximation_(approximation), nodes_(nodes), order_(order), keys_(keys), areas_(areas), scale_(scale) {}
 
     void find_samples() {
-        keys_.resize(order_.size());
-        for (std::size_t at = 0; at < order_.size(); ++at) {
-            keys_[at] = areas_[at] > 0 ? approximation_.sample_key(order_[at], areas_[at])
-                                       : std::numeric_limits<float>::infinity();
-        }
         lists_.resize(nodes_.size());
         cells_area_.assign(nodes_.size(), 0);
         for (std::size_t n = nodes_.size(); n-- > 0;) make_list(n);
@@ -45,32 +40,25 @@ class MoveUp {
 
     /// Appends the indices of what node n holds now: its sample in the order of its keys, then what never was in one.
     void append_items(std::size_t n, std::vector<std::uint32_t>& out) const {
-        const BuildNode_& node = nodes_[n];
-        for (const std::uint32_t at : list(n)) {
-            if (holder_[at] == n) out.push_back(order_[at]);
-        }
-        for (std::uint32_t at = node.first_item; at < node.first_item + node.count; ++at) {
-            if (holder_[at] == no_holder) out.push_back(order_[at]);
-        }
+        for_each_own(n, [&](std::uint32_t at) { out.push_back(order_[at]); });
     }
 
     /// What moving has left of each node's cell.
     std::vector<SampledCell> sampled_cells() const {
-        std::vector<double> own(nodes_.size(), 0), left(nodes_.size(), 0);
-        for (std::size_t n = 0; n < nodes_.size(); ++n) {
-            for (const std::uint32_t at : list(n)) {
-                if (holder_[at] == n) own[n] += areas_[at];
-            }
-            const BuildNode_& node = nodes_[n];
-            for (std::uint32_t at = node.first_item; at < node.first_item + node.count; ++at) {
-                if (holder_[at] == no_holder) own[n] += areas_[at];
-            }
-        }
+        std::vector<double> left(nodes_.size(), 0);
         std::vector<SampledCell> out(nodes_.size());
         for (std::size_t n = nodes_.size(); n-- > 0;) {
-            left[n] = own[n];
+            double own = 0;
+            for_each_own(n, [&](std::uint32_t at) {
+                own += areas_[at];
+                ++out[n].own_items;
+            });
+            left[n] = own;
             for_each_child(n, [&](std::size_t child) { left[n] += left[child]; });
-            if (cells_area_[n] > 0) out[n] = {float(left[n] / cells_area_[n]), float(own[n] / cells_area_[n])};
+            const double all = cells_area_[n];
+            if (!(all > 0)) continue;
+            out[n].left = float(std::min(left[n] / all, 1.0));  // sums were rounded in different orders
+            out[n].own = std::min(float(own / all), out[n].left);
         }
         return out;
     }
@@ -88,6 +76,17 @@ class MoveUp {
     void for_each_child(std::size_t n, F&& f) const {
         const BuildNode_& node = nodes_[n];
         for (int c = 0; c < std::popcount(node.child_mask); ++c) f(node.first_child + std::size_t(c));
+    }
+    /// Positions of what node n holds, its sample first.
+    template <class F>
+    void for_each_own(std::size_t n, F&& f) const {
+        const BuildNode_& node = nodes_[n];
+        for (const std::uint32_t at : list(n)) {
+            if (holder_[at] == n) f(at);
+        }
+        for (std::uint32_t at = node.first_item; at < node.first_item + node.count; ++at) {
+            if (holder_[at] == no_holder) f(at);
+        }
     }
     std::span<const std::uint32_t> list(std::size_t n) const {
         return std::span(listed_).subspan(lists_[n].first, lists_[n].count);
@@ -114,7 +113,7 @@ class MoveUp {
         cells_area_[n] = area;
         std::size_t count = candidates_.size();
         if (node.child_mask != 0) {
-            const double side = double(node.cell.largest_side()) * unit_;
+            const double side = double(node.cell.largest_side()) * scale_;
             count = approximation_.sample_size(side > 0 ? area / (side * side) : 0);
         }
         choose(count);
@@ -169,10 +168,9 @@ class MoveUp {
     const A& approximation_;
     std::span<const BuildNode_> nodes_;
     std::span<const std::uint32_t> order_;
-    std::span<const float> areas_;
-    float unit_;
+    std::span<const float> keys_, areas_;
+    float scale_;
 
-    std::vector<float> keys_;                ///< by position
     std::vector<double> cells_area_;         ///< of all in a node's subtree
     std::vector<List> lists_;                ///< by node
     std::vector<std::uint32_t> listed_;      ///< positions

@@ -97,6 +97,12 @@ class DrawNow {
             }
             to.queue_.add(v.source, splat);
         }
+        void operator()(OwnRun) const {
+            const auto nodes = v.hierarchy.nodes();
+            const Node& node = nodes[subtree.node];
+            const std::uint32_t end = node.child_mask != 0 ? nodes[node.first_child].first_item : subtree.end_item;
+            to.queue_.add_run(v.source, node.first_item, end, std::nullopt);
+        }
     };
 
     R& renderer_;

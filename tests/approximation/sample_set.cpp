@@ -1,0 +1,116 @@
+#include "farfield/approximation/sample_set.hpp"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/measure/coverage_error.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/viewer.hpp"
+#include "support/pictures.hpp"
+#include "support/recorder.hpp"
+#include "support/scenes.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+
+namespace {
+
+template <class Inner>
+using SamplesOver = SpatialHierarchy<Octree, SampleSet<Inner>, TriangleCount>;
+using Samples = SamplesOver<AreaSplat>;
+using Tensors = SamplesOver<OpacityTensor>;
+
+template <class H>
+Image picture(const H& h, const Triangles& triangles, const View& view, int samples) {
+    ZBufferRenderer renderer({.samples = samples});
+    make_viewer(h, triangles, renderer).frame(view);
+    return renderer.image();
+}
+/// Strewn leaves, as many as make a cell of a few pixels sparse.
+Triangles leaves() {
+    return random_triangles(60000, 11, 0.006f);
+}
+
+}  // namespace
+
+TEST_CASE("samples and rest together cover what all covers", "[approximation]") {
+    const Triangles triangles = leaves();
+    for (const bool own : {false, true}) {
+        const Tensors h = build<Tensors>(triangles, {.approximation = {.draws_own_run = own}});
+        for (const double distance : {8.0, 16.0, 32.0, 64.0}) {
+            const View view = looking({distance, 0.4 * distance, 0.3 * distance}, {}, 192, 1);
+            View exact = view;
+            exact.tolerance_px = 0;
+            const CoverageError e = coverage_error(picture(h, triangles, view, 64), picture(h, triangles, exact, 64));
+            INFO("from " << distance << ", own run " << own << ": " << 100 * e.bias << " %");
+            CHECK(std::abs(e.bias) < 0.03);
+        }
+    }
+}
+
+TEST_CASE("sheets one behind the other show the one in front", "[approximation]") {
+    // Off the octree's planes, a gap of a thousandth: both lie in one cell at any distance.
+    Triangles sheets = sheet({0.3101f, -1, -1}, {0, 2, 0}, {0, 0, 2}, 100, 100, {255, 0, 0});
+    append(sheets, sheet({0.3091f, -1, -1}, {0, 2, 0}, {0, 0, 2}, 100, 100, {0, 0, 255}));
+    append(sheets, random_triangles(1, 1, 0.0001f));
+    const auto hidden_part = [&](const Image& image) {
+        int shown = 0, wrong = 0;
+        for (const Rgba8 c : image.pixels()) {
+            if (c.a < 250) continue;
+            ++shown;
+            wrong += c.b > c.r;
+        }
+        return double(wrong) / std::max(shown, 1);
+    };
+    const Samples h = build<Samples>(sheets);
+    const Tensors t = build<Tensors>(sheets);
+    for (const double distance : {20.0, 60.0, 100.0}) {
+        const View view = looking({distance, 0, 0}, {}, 256, 1);
+        INFO("from " << distance);
+        CHECK(hidden_part(picture(h, sheets, view, 1)) <= 0.05);
+        CHECK(hidden_part(picture(t, sheets, view, 1)) <= 0.05);
+    }
+}
+
+TEST_CASE("a stop draws its cell's own run where it is asked to, and nothing below", "[approximation]") {
+    const Triangles triangles = random_triangles(3000, 2, 0.01f);
+    const View far = looking({4000, 0, 0}, {}, 64, 1);
+    for (const bool own : {false, true}) {
+        const Samples h = build<Samples>(triangles, {.approximation = {.draws_own_run = own}});
+        Recorder recorder;
+        recorder.largest_splat = 2;
+        const FrameStats stats = make_viewer(h, triangles, recorder).frame(far);
+        CHECK(stats.approximations == 1);
+        CHECK(recorder.splats.size() == 1);
+        const std::uint32_t root_run = h.nodes()[h.nodes()[0].first_child].first_item;
+        CHECK(recorder.draws.size() == (own ? root_run : 0));
+    }
+}
+
+TEST_CASE("a frozen camera shows the same picture, and a tolerance of 0 every primitive", "[approximation]") {
+    const Triangles triangles = mixed_triangles(4000, 6);
+    const Samples h = build<Samples>(triangles);
+    const View view = looking({5, 2, 3}, {}, 128, 4);
+    ZBufferRenderer renderer;
+    auto viewer = make_viewer(h, triangles, renderer);
+    viewer.frame(view);
+    const Image first = renderer.image();
+    viewer.frame(view);
+    CHECK(renderer.image() == first);
+    View exact = view;
+    exact.tolerance_px = 0;
+    CHECK(picture(h, triangles, exact, 1) == plain_picture(std::span<const Triangle>(triangles), exact));
+}
+
+TEST_CASE("options that make no sense are refused by name", "[approximation]") {
+    CHECK(std::string(SampleSet<>{.c = 0}.wrong_option()) == "SampleSet: c must lie above 0 and at most at 1000");
+    CHECK(SampleSet<>{.c = NAN}.wrong_option() != nullptr);
+    CHECK(std::string(SampleSet<>{.inner = {.samples = 9}}.wrong_option()).find("AreaSplat") == 0);
+    CHECK(SampleSet<>{}.wrong_option() == nullptr);
+}
