@@ -181,18 +181,18 @@ void object_at_distances() {
     const Triangles o = object();
     const std::vector<double> distances{1, 2, 4, 8, 16, 30};
     for (const int samples : {64, 1}) {
+        object_row("tensors, no samples", o, Tensors{.samples_up_to_px = 0}, 1, distances, samples);
         object_row("tensors", o, Tensors{}, 1, distances, samples);
-        object_row("splats", o, Splats{}, 1, distances, samples);
     }
-    object_row("tensors, own runs", o, Tensors{.draws_own_run = true}, 1, distances, 64);
-    object_row("splats, own runs", o, Splats{.draws_own_run = true}, 1, distances, 64);
+    object_row("splats", o, Splats{}, 1, distances, 64);
+    object_row("splats, no samples", o, Splats{.samples_up_to_px = 0}, 1, distances, 64);
 }
 
 void leaves() {
     const Triangles t = tree();
     const std::vector<double> distances{1, 4, 16, 32, 64};
+    object_row("leaves, tensors, no samples", t, Tensors{.samples_up_to_px = 0}, 1, distances, 64);
     object_row("leaves, tensors", t, Tensors{}, 1, distances, 64);
-    object_row("leaves, tensors, own runs", t, Tensors{.draws_own_run = true}, 1, distances, 64);
     object_row("leaves, splats", t, Splats{}, 1, distances, 64);
 }
 
@@ -247,7 +247,7 @@ void wrong_cells() {
         const auto id = std::uint32_t(i + 1);
         ids[i] = {o[i].vertices, Rgba8{std::uint8_t(id), std::uint8_t(id >> 8), std::uint8_t(id >> 16), 255}};
     }
-    const H h = build<H>(ids, {.approximation = {.draws_own_run = true}});
+    const H h = build<H>(ids);
     ZBufferRenderer renderer;
     auto viewer = make_viewer(h, ids, renderer);
     std::vector<std::uint32_t> position(ids.size());
@@ -273,9 +273,8 @@ void wrong_cells() {
                 std::uint32_t first = s.first, end = s.end;
                 if (s.kind == Selected::Kind::stand_in) {
                     stops.push_back(s.subtree);
-                    const Node& node = h.nodes()[s.subtree.node];
-                    first = node.first_item;
-                    end = node.child_mask != 0 ? h.nodes()[node.first_child].first_item : s.subtree.end_item;
+                    first = h.nodes()[s.subtree.node].first_item;
+                    end = first + h.stand_ins()[s.subtree.stand_in].sample_size;
                 }
                 std::fill(is_drawn.begin() + first, is_drawn.begin() + end, char(1));
             });

@@ -173,11 +173,12 @@ concept ProvidesAreaLaw = requires(const A& a, const typename A::stand_in_data& 
     { a.area_law(data) } -> std::same_as<std::optional<AreaLaw>>;
 };
 
-/// What moving samples up has left of a cell, as parts of the area of all that lies in it: `left` in its subtree, `own`
-/// in its own run. Cells above hold the rest, and it is drawn with them.
+/// What moving samples up has left of a cell. Cells above hold the rest, and it is drawn with them.
 struct SampledCell {
-    float left = 1, own = 1;
-    std::uint32_t own_items = 0;  ///< in its own run
+    float left = 1;                 ///< in its subtree, as a part of the area of all that lies in it
+    float sample = 0;               ///< in its sample: the first items of its own run
+    std::uint32_t items = 0;        ///< in its subtree
+    std::uint32_t sample_size = 0;  ///< items in its sample
 };
 
 /// Inner cells hold samples of what lies below them, so that a frame refines by adding (Klein et al. 2002). A build

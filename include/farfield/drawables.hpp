@@ -90,8 +90,11 @@ struct Splat {
     Rgba8 rgb;       ///< of what covers, not premultiplied; alpha holds the area law's class
 };
 
-/// The cell's own primitives, as they are: what a stand-in may be made of where cells hold samples of their contents.
-struct OwnRun {};
+/// The first `count` of the cell's own primitives, as they are: what a stand-in may be made of where cells hold samples
+/// of their contents.
+struct OwnRun {
+    std::uint32_t count = 0;
+};
 
 /// Calls sink(Polygon) with a face, its color no longer premultiplied; not where nothing would be seen of it.
 template <class Sink>

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "farfield/sampler/grid_sampler.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
 

@@ -42,7 +42,7 @@ Triangles leaves() {
 TEST_CASE("samples and rest together cover what all covers", "[approximation]") {
     const Triangles triangles = leaves();
     for (const bool own : {false, true}) {
-        const Tensors h = build<Tensors>(triangles, {.approximation = {.draws_own_run = own}});
+        const Tensors h = build<Tensors>(triangles, {.approximation = {.samples_up_to_px = own ? 1.0f : 0.0f}});
         for (const double distance : {8.0, 16.0, 32.0, 64.0}) {
             const View view = looking({distance, 0.4 * distance, 0.3 * distance}, {}, 192, 1);
             View exact = view;
@@ -78,18 +78,18 @@ TEST_CASE("sheets one behind the other show the one in front", "[approximation]"
     }
 }
 
-TEST_CASE("a stop draws its cell's own run where it is asked to, and nothing below", "[approximation]") {
+TEST_CASE("a stop draws its cell's sample where it is asked to, and nothing else", "[approximation]") {
     const Triangles triangles = random_triangles(3000, 2, 0.01f);
     const View far = looking({4000, 0, 0}, {}, 64, 1);
     for (const bool own : {false, true}) {
-        const Samples h = build<Samples>(triangles, {.approximation = {.draws_own_run = own}});
+        const Samples h = build<Samples>(triangles, {.approximation = {.samples_up_to_px = own ? 1.0f : 0.0f}});
         Recorder recorder;
         recorder.largest_splat = 2;
         const FrameStats stats = make_viewer(h, triangles, recorder).frame(far);
         CHECK(stats.approximations == 1);
         CHECK(recorder.splats.size() == 1);
-        const std::uint32_t root_run = h.nodes()[h.nodes()[0].first_child].first_item;
-        CHECK(recorder.draws.size() == (own ? root_run : 0));
+        CHECK(recorder.draws.size() == (own ? h.stand_ins()[0].sample_size : 0));
+        CHECK(h.stand_ins()[0].sample_size >= 14);
     }
 }
 

@@ -11,6 +11,7 @@
 #include <concepts>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <span>
 #include <type_traits>
 
@@ -31,16 +32,15 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     /// probability of a correct image.
     float c = 13.8f;
     std::uint32_t seed = 0;
-    /// Whether a cell's sample is drawn too where a frame stops, before what stands for the rest: true is section 4.2,
-    /// the more accurate where there is more than one sample a pixel, false sections 4.4 and 4.5, up to four times
-    /// faster.
-    bool draws_own_run = false;
+    /// Where the tolerance is at most this, a cell that a frame stops at has its sample drawn too, before what stands
+    /// for the rest (section 4.2); beyond it, not (4.5: splats of i pixels, faster and less accurate). 0: never.
+    float samples_up_to_px = 1;
 
     using stand_in_draft = typename Inner::stand_in_draft;
     struct stand_in_data {
         typename Inner::stand_in_data inner;
-        float rest = 1;               ///< the part of the cell's areas that `inner` has to stand for
-        std::uint32_t own_items = 0;  ///< drawn with it; 0: the own run is not
+        std::uint16_t left = 65535, sample = 0;  ///< SampledCell's, of 65535
+        std::uint32_t sample_size = 0;           ///< 0: it is not worth drawing it
     };
     static constexpr ApproximationFacts facts{
         .accepts = Assignment::unique,
@@ -54,7 +54,8 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
 
     const char* wrong_option() const {
         if (const char* why = detail::wrong_option(inner)) return why;
-        return c > 0 && c <= 1000 ? nullptr : "SampleSet: c must lie above 0 and at most at 1000";
+        if (!(c > 0 && c <= 1000)) return "SampleSet: c must lie above 0 and at most at 1000";
+        return samples_up_to_px >= 0 ? nullptr : "SampleSet: samples_up_to_px must be 0 or more";
     }
 
     float sample_key(std::uint32_t index, double area) const { return detail::race_key(index, seed, area); }
@@ -71,13 +72,10 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     }
     stand_in_data finish(const Cell& cell, const stand_in_draft& d) const { return {inner.finish(cell, d)}; }
     stand_in_data sampled(const stand_in_data& data, SampledCell cell) const {
-        stand_in_data out{data.inner, cell.left, 0};
-        if (draws_own_run) {
-            out.rest = cell.left - cell.own;
-            out.own_items = cell.own_items;
-        }
-        if constexpr (knows_rest) out.inner = inner.rest_of(data.inner, 1 - out.rest);
-        return out;
+        const auto part = [](float f) { return std::uint16_t(f * 65535 + 0.5f); };
+        // A deposit is about as much work as eight triangles (TriangleCount): where that saves nothing, no sample.
+        const bool pays = cell.sample_size != 0 && cell.items > cell.sample_size + 8;
+        return {data.inner, part(cell.left), part(cell.sample), pays ? cell.sample_size : 0};
     }
 
     /// A surface fills four of a cell's eight children, and its sample is drawn with all of them.
@@ -86,19 +84,19 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         work.triangles += 0.25f * c;
         return work;
     }
-    Work work(const stand_in_data& data) const {
-        Work work = detail::work_of_stand_in(inner, data.inner);
-        work.triangles += float(data.own_items);
-        return work;
-    }
+    Work work(const stand_in_data& data) const { return detail::work_of_stand_in(inner, data.inner); }
     bool is_sound(const stand_in_data& data) const {
-        if (!(data.rest >= 0 && data.rest <= 1)) return false;
+        if (data.sample > data.left) return false;
         if constexpr (requires { inner.is_sound(data.inner); }) return inner.is_sound(data.inner);
         return true;
     }
 
+    /// With samples it is about the cell's projected bounding box (section 4.2), whose sides are 1.5 of the cell's on
+    /// average over directions; splats are as large as cells. A cell that its sample is no gain for is not stopped at.
     float error_px(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
-        return inner.error_px(data.inner, cell, view);
+        const float error = inner.error_px(data.inner, cell, view);
+        if (!draws_samples(view)) return error;
+        return data.sample_size != 0 ? 1.5f * error : std::numeric_limits<float>::infinity();
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const
         requires(Inner::facts.bounds_error) {
@@ -107,11 +105,17 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
 
     template <class Sink>
     void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
-        if (data.own_items != 0) sink(OwnRun{});
-        if (!(data.rest > 0)) return;
-        Rest<std::remove_reference_t<Sink>> rest{sink, sink.splat_limit_px, 1 - data.rest, view};
-        if (data.own_items != 0) rest.put_behind(cell);
-        inner.draw_stand_in(data.inner, cell, view, rest);
+        const bool with_sample = draws_samples(view) && data.sample_size != 0;
+        if (with_sample) sink(OwnRun{data.sample_size});
+        const unsigned left = with_sample ? data.left - data.sample : data.left;
+        if (left == 0) return;
+        Rest<std::remove_reference_t<Sink>> rest{sink, sink.splat_limit_px, 1 - float(left) / 65535, view};
+        if (with_sample) rest.put_behind(cell);
+        if constexpr (knows_rest) {
+            inner.draw_stand_in(inner.rest_of(data.inner, rest.drawn), cell, view, rest);
+        } else {
+            inner.draw_stand_in(data.inner, cell, view, rest);
+        }
     }
 
     template <class Sink>
@@ -121,6 +125,8 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     }
 
   private:
+    bool draws_samples(const LocalView& view) const { return view.tolerance_px <= samples_up_to_px; }
+
     /// An Inner may change its data itself, for a part of its areas that has been drawn.
     static constexpr bool knows_rest = requires(const Inner& i, const typename Inner::stand_in_data& data) {
         { i.rest_of(data, 0.0f) } -> std::same_as<typename Inner::stand_in_data>;

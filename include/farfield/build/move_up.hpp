@@ -48,17 +48,24 @@ class MoveUp {
         std::vector<double> left(nodes_.size(), 0);
         std::vector<SampledCell> out(nodes_.size());
         for (std::size_t n = nodes_.size(); n-- > 0;) {
-            double own = 0;
+            double sample = 0;
+            for (const std::uint32_t at : list(n).first(lists_[n].sample)) {
+                if (holder_[at] != n) continue;
+                sample += areas_[at];
+                ++out[n].sample_size;
+            }
             for_each_own(n, [&](std::uint32_t at) {
-                own += areas_[at];
-                ++out[n].own_items;
+                left[n] += areas_[at];
+                ++out[n].items;
             });
-            left[n] = own;
-            for_each_child(n, [&](std::size_t child) { left[n] += left[child]; });
+            for_each_child(n, [&](std::size_t child) {
+                left[n] += left[child];
+                out[n].items += out[child].items;
+            });
             const double all = cells_area_[n];
             if (!(all > 0)) continue;
             out[n].left = float(std::min(left[n] / all, 1.0));  // sums were rounded in different orders
-            out[n].own = std::min(float(own / all), out[n].left);
+            out[n].sample = std::min(float(sample / all), out[n].left);
         }
         return out;
     }
@@ -69,7 +76,8 @@ class MoveUp {
     struct List {
         std::size_t first = 0;
         std::uint32_t count = 0;
-        bool is_all = false;  ///< it holds all of the subtree that may move
+        std::uint32_t sample = 0;  ///< the first of them: all of an inner node's
+        bool is_all = false;       ///< it holds all of the subtree that may move
     };
 
     template <class F>
@@ -111,11 +119,9 @@ class MoveUp {
             is_all = is_all && lists_[child].is_all;
         });
         cells_area_[n] = area;
-        std::size_t count = candidates_.size();
-        if (node.child_mask != 0) {
-            const double side = double(node.cell.largest_side()) * scale_;
-            count = approximation_.sample_size(side > 0 ? area / (side * side) : 0);
-        }
+        const double side = double(node.cell.largest_side()) * scale_;
+        const std::size_t wanted = approximation_.sample_size(side > 0 ? area / (side * side) : 0);
+        std::size_t count = node.child_mask != 0 ? wanted : candidates_.size();
         choose(count);
         if (!is_all && some_child_is_short(n, count)) {
             // A child's whole list is among the least keys, and so may be what its list left out.
@@ -126,7 +132,7 @@ class MoveUp {
         }
         is_all = is_all && candidates_.size() <= count;
         count = std::min(count, candidates_.size());
-        lists_[n] = {listed_.size(), std::uint32_t(count), is_all};
+        lists_[n] = {listed_.size(), std::uint32_t(count), std::uint32_t(std::min(count, wanted)), is_all};
         listed_.insert(listed_.end(), candidates_.begin(), candidates_.begin() + std::ptrdiff_t(count));
     }
 

@@ -3,6 +3,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -97,11 +98,10 @@ class DrawNow {
             }
             to.queue_.add(v.source, splat);
         }
-        void operator()(OwnRun) const {
-            const auto nodes = v.hierarchy.nodes();
-            const Node& node = nodes[subtree.node];
-            const std::uint32_t end = node.child_mask != 0 ? nodes[node.first_child].first_item : subtree.end_item;
-            to.queue_.add_run(v.source, node.first_item, end, std::nullopt);
+        void operator()(OwnRun run) const {
+            const std::uint32_t first = v.hierarchy.nodes()[subtree.node].first_item;
+            const std::uint32_t end = first + std::min(run.count, subtree.end_item - first);
+            to.queue_.add_run(v.source, first, end, std::nullopt);
         }
     };
 
