@@ -68,10 +68,10 @@ class BandedViewer {
         if constexpr (HasImage<R>) {
             if (image_.width() != view.width || image_.height() != view.height) image_ = Image(view.width, view.height);
         }
-        const std::size_t count = place_bands(view.height);
-        executor(count, [&](std::size_t i) { draw(bands_[i], view); });
+        drawn_bands_ = place_bands(view.height);
+        executor(drawn_bands_, [&](std::size_t i) { draw(bands_[i], view); });
         FrameStats sum;
-        for (std::size_t i = 0; i < count; ++i) sum += bands_[i].stats;
+        for (std::size_t i = 0; i < drawn_bands_; ++i) sum += bands_[i].stats;
         return sum;
     }
 
@@ -79,7 +79,9 @@ class BandedViewer {
     const Image& image() const requires HasImage<R> { return image_; }
 
     std::size_t bands() const { return bands_.size(); }
-    /// A band's renderer, for what else it knows. Bands below the last row were not drawn.
+    /// How many bands had rows in the last frame: the first ones.
+    std::size_t drawn_bands() const { return drawn_bands_; }
+    /// A band's renderer, for what else it knows.
     const R& renderer(std::size_t band) const { return *bands_[band].renderer; }
 
   private:
@@ -126,6 +128,7 @@ class BandedViewer {
     }
 
     std::vector<Band> bands_;
+    std::size_t drawn_bands_ = 0;
     Image image_;
 };
 
