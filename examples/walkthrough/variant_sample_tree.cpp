@@ -8,12 +8,12 @@ namespace walkthrough {
 
 Recipe sample_tree() {
     using namespace farfield;
-    return recipe<SpatialHierarchy<Octree, SampleSet<>, TriangleCount>>();
+    return recipe<SpatialHierarchy<Octree, SampleSet<OpacityTensor>, TriangleCount>>();
 }
 
-Recipe sample_tree_tensor() {
+Recipe sample_tree_splats() {
     using namespace farfield;
-    return recipe<SpatialHierarchy<Octree, SampleSet<OpacityTensor>, TriangleCount>>();
+    return recipe<SpatialHierarchy<Octree, SampleSet<AreaSplat>, TriangleCount>>();
 }
 
 }  // namespace walkthrough

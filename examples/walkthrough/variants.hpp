@@ -47,7 +47,7 @@ Recipe color_cube_cluster();
 Recipe color_cube_shared();
 Recipe opacity_tensor();
 Recipe sample_tree();
-Recipe sample_tree_tensor();
+Recipe sample_tree_splats();
 Recipe bsp();
 Recipe octree_of_bsps();
 
