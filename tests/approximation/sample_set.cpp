@@ -1,6 +1,9 @@
 #include "farfield/approximation/sample_set.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <glm/gtc/matrix_transform.hpp>
 #include <string>
 #include <vector>
 
@@ -10,9 +13,11 @@
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/measure/coverage_error.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/primitive/instance.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "support/pictures.hpp"
+#include "support/random.hpp"
 #include "support/recorder.hpp"
 #include "support/scenes.hpp"
 
@@ -90,6 +95,32 @@ TEST_CASE("a stop draws its cell's sample where it is asked to, and nothing else
         CHECK(recorder.splats.size() == 1);
         CHECK(recorder.draws.size() == (own ? h.stand_ins()[0].sample_size : 0));
         CHECK(h.stand_ins()[0].sample_size >= 14);
+    }
+}
+
+TEST_CASE("instances of sample trees stay in their cells and are drawn as their contents are", "[approximation]") {
+    const Triangles leaf_heap = random_triangles(3000, 9, 0.03f);
+    const Tensors one = build<Tensors>(leaf_heap);
+    using Placed = Instance<Tensors, Triangle>;
+    std::vector<Placed> placed;
+    Random random(4);
+    for (int i = 0; i < 200; ++i) {
+        const glm::mat4 turned = glm::rotate(glm::mat4(1), random.between(0, 6), glm::vec3(0, 1, 0));
+        placed.push_back({&one, leaf_heap, Similarity(glm::translate(glm::mat4(1), random.in_cube(30)) * turned)});
+    }
+    const Tensors all = build<Tensors>(placed);
+    std::vector<std::uint32_t> order(all.order().begin(), all.order().end());
+    std::sort(order.begin(), order.end());
+    for (std::uint32_t i = 0; i < 200; ++i) CHECK(order[i] == i);
+    const auto drawn = [&](double distance, float tolerance) {
+        ZBufferRenderer renderer({.samples = 64});
+        make_viewer(all, placed, renderer).frame(looking({distance, 0.3 * distance, 0}, {}, 160, tolerance));
+        return renderer.image();
+    };
+    for (const double distance : {80.0, 400.0, 1600.0}) {
+        const CoverageError e = coverage_error(drawn(distance, 1), drawn(distance, 0));
+        INFO("from " << distance << ": " << 100 * e.bias << " %");
+        CHECK(std::abs(e.bias) < 0.06);
     }
 }
 
