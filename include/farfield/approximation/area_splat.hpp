@@ -42,6 +42,7 @@ struct AreaSplat {
         ColorCube::stand_in_draft faces{};
         glm::vec3 moment{0};  ///< sum of area times place about the cell's center, in ordinary units
         float area = 0;       ///< in ordinary units of the cell (Cell::to_ordinary)
+        glm::vec3 color{0};   ///< sum of area times color, for what samples miss
     };
     /// Sides -x, +x, -y, +y, -z, +z. Fourth bytes hold, in order, the center's place in the cell's bounds (three bytes)
     /// and the filled part of a side (two bytes, the upper one first).
@@ -66,12 +67,17 @@ struct AreaSplat {
         const float unit = cell.to_ordinary();
         contents([&](const Polygon& polygon) {
             const std::size_t corners = polygon.vertices.size();
-            const float area = 0.5f * glm::length(doubled_area<float>(
-                                          corners, [&](std::size_t i) { return polygon.vertices[i] * unit; }));
+            const glm::vec3 normal =
+                doubled_area<float>(corners, [&](std::size_t i) { return polygon.vertices[i] * unit; });
+            const float area = 0.5f * glm::length(normal);
             glm::vec3 sum(0);
             for (const glm::vec3& v : polygon.vertices) sum += (v - cell.center) * unit;
             d.area += area;
             d.moment += sum * (area / float(corners));
+            glm::vec3 color(0);
+            for (const Rgba8 c : polygon.colors) color += glm::vec3(to_vec4(c));
+            if constexpr (LightsPolygons<Sampler>) color *= sampler.brightness(polygon, normal);
+            d.color += color * (area / float(polygon.colors.size()));
         });
         return d;
     }
@@ -85,6 +91,7 @@ struct AreaSplat {
             const float larger = unit / child.cell->to_ordinary();
             const float area = child.draft->area * larger * larger;
             own.area += area;
+            own.color += child.draft->color * (larger * larger);
             own.moment +=
                 child.draft->moment * (larger * larger * larger) + (child.cell->center - cell.center) * unit * area;
         }
@@ -93,10 +100,12 @@ struct AreaSplat {
     }
 
     stand_in_data finish(const Cell& cell, const stand_in_draft& d) const {
+        stand_in_data data;
+        data.fill({0, 0, 0, 0});
+        if (!(d.area > 0)) return data;
         glm::vec4 mean(0);
         for (const glm::vec4& face : d.faces) mean += face;
-        if (!(mean.w > 0) || !(d.area > 0)) return {};
-        stand_in_data data;
+        if (!(mean.w > 0)) mean = glm::vec4(d.color, d.area);
         for (std::size_t side = 0; side < 6; ++side) {
             // A side that nothing is seen through has no color of its own.
             const glm::vec4 c = d.faces[side].w > 0 ? d.faces[side] : mean;

@@ -35,6 +35,9 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     /// Where the tolerance is at most this, a cell that a frame stops at has its sample drawn too, before what stands
     /// for the rest (section 4.2); beyond it, not (4.5: splats of i pixels, faster and less accurate). 0: never.
     float samples_up_to_px = 1;
+    /// How far behind a cell's sample the rest is drawn, in sides of the cell: it fills gaps, and must not hide what
+    /// the sample shows; but of two sheets in one cell the sample shows the hidden one through the gaps of the other.
+    float rest_behind = 0.5f;
 
     using stand_in_draft = typename Inner::stand_in_draft;
     struct stand_in_data {
@@ -55,6 +58,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     const char* wrong_option() const {
         if (const char* why = detail::wrong_option(inner)) return why;
         if (!(c > 0 && c <= 1000)) return "SampleSet: c must lie above 0 and at most at 1000";
+        if (!(rest_behind >= 0 && rest_behind <= 1)) return "SampleSet: rest_behind must lie between 0 and 1";
         return samples_up_to_px >= 0 ? nullptr : "SampleSet: samples_up_to_px must be 0 or more";
     }
 
@@ -110,7 +114,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         const unsigned left = with_sample ? data.left - data.sample : data.left;
         if (left == 0) return;
         Rest<std::remove_reference_t<Sink>> rest{sink, sink.splat_limit_px, 1 - float(left) / 65535, view};
-        if (with_sample) rest.put_behind(cell);
+        if (with_sample) rest.put_behind(cell, rest_behind * cell.largest_side());
         if constexpr (knows_rest) {
             inner.draw_stand_in(inner.rest_of(data.inner, rest.drawn), cell, view, rest);
         } else {
@@ -145,8 +149,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         float larger = 1;  ///< seen from the eye, in perspective
 
         /// The own run shows what is there, and the rest fills gaps: it must not hide it.
-        void put_behind(const Cell& cell) {
-            const float by = 0.5f * cell.largest_side();
+        void put_behind(const Cell& cell, float by) {
             if (view.is_perspective) {
                 const float distance = length_of(cell.center - view.eye);
                 if (distance > by) larger = 1 + by / distance;
