@@ -247,7 +247,7 @@ void wrong_cells() {
         const auto id = std::uint32_t(i + 1);
         ids[i] = {o[i].vertices, Rgba8{std::uint8_t(id), std::uint8_t(id >> 8), std::uint8_t(id >> 16), 255}};
     }
-    const H h = build<H>(ids);
+    const H h = build<H>(ids, {.approximation = {.most_areas_for_sample = INFINITY}});
     ZBufferRenderer renderer;
     auto viewer = make_viewer(h, ids, renderer);
     std::vector<std::uint32_t> position(ids.size());

@@ -175,6 +175,7 @@ concept ProvidesAreaLaw = requires(const A& a, const typename A::stand_in_data& 
 
 /// What moving samples up has left of a cell. Cells above hold the rest, and it is drawn with them.
 struct SampledCell {
+    float areas_per_side = 0;       ///< all area that lies in it, in squares of its side: q
     float left = 1;                 ///< in its subtree, as a part of the area of all that lies in it
     float sample = 0;               ///< in its sample: the first items of its own run
     std::uint32_t items = 0;        ///< in its subtree

@@ -43,7 +43,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     struct stand_in_data {
         typename Inner::stand_in_data inner;
         std::uint16_t left = 65535, sample = 0;  ///< SampledCell's, of 65535
-        std::uint32_t sample_size = 0;           ///< 0: it is not worth drawing it
+        std::uint32_t sample_size = 0;           ///< `all`: as good as everything
     };
     static constexpr ApproximationFacts facts{
         .accepts = Assignment::unique,
@@ -58,6 +58,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     const char* wrong_option() const {
         if (const char* why = detail::wrong_option(inner)) return why;
         if (!(c > 0 && c <= 1000)) return "SampleSet: c must lie above 0 and at most at 1000";
+        if (!(most_areas_for_sample >= 0)) return "SampleSet: most_areas_for_sample must be 0 or more";
         if (!(rest_behind >= 0 && rest_behind <= 1)) return "SampleSet: rest_behind must lie between 0 and 1";
         return samples_up_to_px >= 0 ? nullptr : "SampleSet: samples_up_to_px must be 0 or more";
     }
@@ -77,9 +78,10 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     stand_in_data finish(const Cell& cell, const stand_in_draft& d) const { return {inner.finish(cell, d)}; }
     stand_in_data sampled(const stand_in_data& data, SampledCell cell) const {
         const auto part = [](float f) { return std::uint16_t(f * 65535 + 0.5f); };
-        // A deposit is about as much work as eight triangles (TriangleCount): where that saves nothing, no sample.
-        const bool pays = cell.sample_size != 0 && cell.items > cell.sample_size + 8;
-        return {data.inner, part(cell.left), part(cell.sample), pays ? cell.sample_size : 0};
+        if (cell.areas_per_side > most_areas_for_sample) return {data.inner, part(cell.left), 0, 0};
+        // A deposit is about as much work as eight triangles (TriangleCount).
+        const bool pays = cell.items > cell.sample_size + 8;
+        return {data.inner, part(cell.left), part(cell.sample), pays ? cell.sample_size : all};
     }
 
     /// A surface fills four of a cell's eight children, and its sample is drawn with all of them.
@@ -96,11 +98,11 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     }
 
     /// With samples it is about the cell's projected bounding box (section 4.2), whose sides are 1.5 of the cell's on
-    /// average over directions; splats are as large as cells. A cell that its sample is no gain for is not stopped at.
+    /// average over directions; splats are as large as cells. Where a sample saves nothing a frame does not stop.
     float error_px(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
         const float error = inner.error_px(data.inner, cell, view);
         if (!draws_samples(view)) return error;
-        return data.sample_size != 0 ? 1.5f * error : std::numeric_limits<float>::infinity();
+        return data.sample_size != all ? 1.5f * error : std::numeric_limits<float>::infinity();
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const
         requires(Inner::facts.bounds_error) {
@@ -129,6 +131,8 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     }
 
   private:
+    static constexpr std::uint32_t all = std::numeric_limits<std::uint32_t>::max();
+
     bool draws_samples(const LocalView& view) const { return view.tolerance_px <= samples_up_to_px; }
 
     /// An Inner may change its data itself, for a part of its areas that has been drawn.

@@ -64,6 +64,7 @@ class MoveUp {
             });
             const double all = cells_area_[n];
             if (!(all > 0)) continue;
+            out[n].areas_per_side = float(per_side(n, all));
             out[n].left = float(std::min(left[n] / all, 1.0));  // sums were rounded in different orders
             out[n].sample = std::min(float(sample / all), out[n].left);
         }
@@ -80,6 +81,11 @@ class MoveUp {
         bool is_all = false;       ///< it holds all of the subtree that may move
     };
 
+    /// An area in squares of the cell's side.
+    double per_side(std::size_t n, double area) const {
+        const double side = double(nodes_[n].cell.largest_side()) * scale_;
+        return side > 0 ? area / (side * side) : 0;
+    }
     template <class F>
     void for_each_child(std::size_t n, F&& f) const {
         const BuildNode_& node = nodes_[n];
@@ -119,8 +125,7 @@ class MoveUp {
             is_all = is_all && lists_[child].is_all;
         });
         cells_area_[n] = area;
-        const double side = double(node.cell.largest_side()) * scale_;
-        const std::size_t wanted = approximation_.sample_size(side > 0 ? area / (side * side) : 0);
+        const std::size_t wanted = approximation_.sample_size(per_side(n, area));
         std::size_t count = node.child_mask != 0 ? wanted : candidates_.size();
         choose(count);
         if (!is_all && some_child_is_short(n, count)) {
