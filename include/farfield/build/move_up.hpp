@@ -78,7 +78,9 @@ class MoveUp {
         std::size_t first = 0;
         std::uint32_t count = 0;
         std::uint32_t sample = 0;  ///< the first of them: all of an inner node's
-        bool is_all = false;       ///< it holds all of the subtree that may move
+        /// Positions that the node held before anything moved. Its own fields change while items are put in order.
+        std::uint32_t first_own = 0, own = 0;
+        bool is_all = false;  ///< it holds all of the subtree that may move
     };
 
     /// An area in squares of the cell's side.
@@ -94,11 +96,11 @@ class MoveUp {
     /// Positions of what node n holds, its sample first.
     template <class F>
     void for_each_own(std::size_t n, F&& f) const {
-        const BuildNode_& node = nodes_[n];
         for (const std::uint32_t at : list(n)) {
             if (holder_[at] == n) f(at);
         }
-        for (std::uint32_t at = node.first_item; at < node.first_item + node.count; ++at) {
+        const List& l = lists_[n];
+        for (std::uint32_t at = l.first_own; at < l.first_own + l.own; ++at) {
             if (holder_[at] == no_holder) f(at);
         }
     }
@@ -137,7 +139,12 @@ class MoveUp {
         }
         is_all = is_all && candidates_.size() <= count;
         count = std::min(count, candidates_.size());
-        lists_[n] = {listed_.size(), std::uint32_t(count), std::uint32_t(std::min(count, wanted)), is_all};
+        lists_[n] = {.first = listed_.size(),
+                     .count = std::uint32_t(count),
+                     .sample = std::uint32_t(std::min(count, wanted)),
+                     .first_own = node.first_item,
+                     .own = std::uint32_t(node.count),
+                     .is_all = is_all};
         listed_.insert(listed_.end(), candidates_.begin(), candidates_.begin() + std::ptrdiff_t(count));
     }
 
