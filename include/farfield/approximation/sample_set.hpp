@@ -35,8 +35,12 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     /// Where the tolerance is at most this, a cell that a frame stops at has its sample drawn too, before what stands
     /// for the rest (section 4.2); beyond it, not (4.5: splats of i pixels, faster and less accurate). 0: never.
     float samples_up_to_px = 1;
-    /// How far behind a cell's sample the rest is drawn, in sides of the cell: it fills gaps, and must not hide what
-    /// the sample shows; but of two sheets in one cell the sample shows the hidden one through the gaps of the other.
+    /// Cells that hold more area than this, in squares of their side, are drawn without their sample. More than one
+    /// sheet lies in them, and a sample shows the hidden ones through the gaps of the one in front (figure 5); a single
+    /// one has at most the square root of 3.
+    float most_areas_for_sample = 1.75f;
+    /// How far behind its sample the rest of a cell is drawn, in sides of the cell: it fills gaps, and must not hide
+    /// what the sample shows.
     float rest_behind = 0.5f;
 
     using stand_in_draft = typename Inner::stand_in_draft;
