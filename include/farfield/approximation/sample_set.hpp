@@ -10,7 +10,6 @@
 
 #include <concepts>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <limits>
 #include <span>
 #include <type_traits>
@@ -18,7 +17,6 @@
 #include "farfield/approximation.hpp"
 #include "farfield/approximation/area_splat.hpp"
 #include "farfield/approximation/sample_set/sample_size.hpp"
-#include "farfield/geometry/length.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield {
@@ -39,9 +37,6 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     /// sheet lies in them, and a sample shows the hidden ones through the gaps of the one in front (figure 5); a single
     /// one has at most the square root of 3.
     float most_areas_for_sample = 1.75f;
-    /// How far behind its sample the rest of a cell is drawn, in sides of the cell: it fills gaps, and must not hide
-    /// what the sample shows.
-    float rest_behind = 0.5f;
 
     using stand_in_draft = typename Inner::stand_in_draft;
     struct stand_in_data {
@@ -63,7 +58,6 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         if (const char* why = detail::wrong_option(inner)) return why;
         if (!(c > 0 && c <= 1000)) return "SampleSet: c must lie above 0 and at most at 1000";
         if (!(most_areas_for_sample >= 0)) return "SampleSet: most_areas_for_sample must be 0 or more";
-        if (!(rest_behind >= 0 && rest_behind <= 1)) return "SampleSet: rest_behind must lie between 0 and 1";
         return samples_up_to_px >= 0 ? nullptr : "SampleSet: samples_up_to_px must be 0 or more";
     }
 
@@ -119,8 +113,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         if (with_sample) sink(OwnRun{data.sample_size});
         const unsigned left = with_sample ? data.left - data.sample : data.left;
         if (left == 0) return;
-        Rest<std::remove_reference_t<Sink>> rest{sink, sink.splat_limit_px, 1 - float(left) / 65535, view};
-        if (with_sample) rest.put_behind(cell, rest_behind * cell.largest_side());
+        const Rest<std::remove_reference_t<Sink>> rest{sink, sink.splat_limit_px, 1 - float(left) / 65535};
         if constexpr (knows_rest) {
             inner.draw_stand_in(inner.rest_of(data.inner, rest.drawn), cell, view, rest);
         } else {
@@ -152,22 +145,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         Sink& sink;
         float splat_limit_px;
         float drawn;
-        const LocalView& view;
-        float back = 0;    ///< moved away from the viewer by that, in a parallel view
-        float larger = 1;  ///< seen from the eye, in perspective
 
-        /// The own run shows what is there, and the rest fills gaps: it must not hide it.
-        void put_behind(const Cell& cell, float by) {
-            if (view.is_perspective) {
-                const float distance = length_of(cell.center - view.eye);
-                if (distance > by) larger = 1 + by / distance;
-            } else {
-                back = by;
-            }
-        }
-        glm::vec3 moved(glm::vec3 p) const {
-            return view.is_perspective ? view.eye + (p - view.eye) * larger : p + view.forward * back;
-        }
         float factor(float a) const {
             if constexpr (knows_rest) return 1;
             const float left = 1 - a * drawn;
@@ -177,14 +155,10 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
             const float f = factor(float(face.rgba.a) / 255);
             const auto fainter = [&](std::uint8_t v) { return std::uint8_t(float(v) * f + 0.5f); };
             face.rgba = {fainter(face.rgba.r), fainter(face.rgba.g), fainter(face.rgba.b), fainter(face.rgba.a)};
-            face.lower = moved(face.lower);
-            face.upper = moved(face.upper);
             sink(face);
         }
         void operator()(Splat splat) const {
             splat.opacity *= factor(splat.opacity);
-            splat.center = moved(splat.center);
-            splat.size *= larger;
             sink(splat);
         }
         void operator()(OwnRun run) const { sink(run); }
