@@ -42,7 +42,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     struct stand_in_data {
         typename Inner::stand_in_data inner;
         std::uint16_t left = 65535, sample = 0;  ///< SampledCell's, of 65535
-        std::uint32_t sample_size = 0;           ///< `all`: as good as everything
+        std::uint32_t sample_size = 0;           ///< `all`: few more than it, which are drawn too
     };
     static constexpr ApproximationFacts facts{
         .accepts = Assignment::unique,
@@ -96,11 +96,9 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     }
 
     /// With samples it is about the cell's projected bounding box (section 4.2), whose sides are 1.5 of the cell's on
-    /// average over directions; splats are as large as cells. Where a sample saves nothing a frame does not stop.
+    /// average over directions; splats are as large as cells.
     float error_px(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
-        const float error = inner.error_px(data.inner, cell, view);
-        if (!draws_samples(view)) return error;
-        return data.sample_size != all ? 1.5f * error : std::numeric_limits<float>::infinity();
+        return inner.error_px(data.inner, cell, view) * (draws_samples(view) ? 1.5f : 1.0f);
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const
         requires(Inner::facts.bounds_error) {
@@ -111,6 +109,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
         const bool with_sample = draws_samples(view) && data.sample_size != 0;
         if (with_sample) sink(OwnRun{data.sample_size});
+        if (with_sample && data.sample_size == all) return;
         const unsigned left = with_sample ? data.left - data.sample : data.left;
         if (left == 0) return;
         const Rest<std::remove_reference_t<Sink>> rest{sink, sink.splat_limit_px, 1 - float(left) / 65535};
@@ -128,7 +127,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     }
 
   private:
-    static constexpr std::uint32_t all = std::numeric_limits<std::uint32_t>::max();
+    static constexpr std::uint32_t all = std::numeric_limits<std::uint32_t>::max();  ///< that lies below the cell
 
     bool draws_samples(const LocalView& view) const { return view.tolerance_px <= samples_up_to_px; }
 

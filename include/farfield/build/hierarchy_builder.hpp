@@ -261,8 +261,7 @@ class HierarchyBuilder {
                 const unsigned bit = mask & (0u - mask);
                 mask &= mask - 1;
                 if (child.first_item == child.end_item) {
-                    drop_descendants(child);
-                    child.is_pruned = true;
+                    drop(child);
                     node.child_mask = std::uint8_t(node.child_mask & ~bit);
                 } else if (first_left == 0) {
                     first_left = std::uint32_t(&child - nodes_.data());
@@ -277,10 +276,14 @@ class HierarchyBuilder {
         for (std::uint32_t n = node.first_child; node.child_mask != 0; ++n) {
             if (nodes_[n].is_pruned) continue;
             node.child_mask = std::uint8_t(node.child_mask & (node.child_mask - 1));
-            drop_descendants(nodes_[n]);
-            nodes_[n].is_pruned = true;
+            drop(nodes_[n]);
         }
         node.first_child = 0;
+    }
+    void drop(DraftCell& node) {
+        drop_descendants(node);
+        node.is_pruned = true;
+        --data_.facts.report.stand_ins_that_would_not_pay;
     }
 
     /// Nodes in the order that they will have, which is that of the pool.
