@@ -82,12 +82,10 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         return {data.inner, part(cell.left), part(cell.sample), pays ? cell.sample_size : all};
     }
 
-    /// A surface fills four of a cell's eight children, and its sample is drawn with all of them.
-    Work expected_work() const {
-        Work work = inner.expected_work();
-        work.triangles += 0.25f * c;
-        return work;
-    }
+    /// What a split adds for each child: a surface fills four of a cell's eight, and its sample is drawn with all of
+    /// them. Stand-ins that do not pay are not kept, nor cells without use; but where splats are large, cells of few
+    /// polygons are what a chessboard's time does not grow with.
+    Work expected_work() const { return {.triangles = 0.25f * c}; }
     Work work(const stand_in_data& data) const { return detail::work_of_stand_in(inner, data.inner); }
     bool is_sound(const stand_in_data& data) const {
         if (data.sample > data.left) return false;
