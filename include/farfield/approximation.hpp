@@ -179,6 +179,7 @@ struct SampledCell {
     float left = 1;                 ///< in its subtree, as a part of the area of all that lies in it
     float sample = 0;               ///< in its sample: the first items of its own run
     std::uint32_t items = 0;        ///< in its subtree
+    std::uint32_t fixed = 0;        ///< of these, items that never move: instances, and what has no area
     std::uint32_t sample_size = 0;  ///< items in its sample
 };
 

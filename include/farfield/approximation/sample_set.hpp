@@ -78,7 +78,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         const auto part = [](float f) { return std::uint16_t(f * 65535 + 0.5f); };
         if (cell.areas_per_side > most_areas_for_sample) return {data.inner, part(cell.left), 0, 0};
         // A deposit is about as much work as eight triangles (TriangleCount).
-        const bool pays = cell.items > cell.sample_size + 8;
+        const bool pays = cell.fixed != 0 || cell.items > cell.sample_size + 8;
         return {data.inner, part(cell.left), part(cell.sample), pays ? cell.sample_size : all};
     }
 

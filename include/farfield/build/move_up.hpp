@@ -57,10 +57,12 @@ class MoveUp {
             for_each_own(n, [&](std::uint32_t at) {
                 left[n] += areas_[at];
                 ++out[n].items;
+                out[n].fixed += !(keys_[at] < std::numeric_limits<float>::infinity());
             });
             for_each_child(n, [&](std::size_t child) {
                 left[n] += left[child];
                 out[n].items += out[child].items;
+                out[n].fixed += out[child].fixed;
             });
             const double all = cells_area_[n];
             if (!(all > 0)) continue;
