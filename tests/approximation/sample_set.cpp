@@ -82,8 +82,11 @@ TEST_CASE("sheets one behind the other show the one in front", "[approximation]"
     for (const float up_to : {0.0f, 1.0f}) {
         const Samples h = build<Samples>(sheets, {.approximation = {.samples_up_to_px = up_to}});
         for (const double distance : {10.0, 20.0, 30.0, -10.0, -20.0, -30.0}) {
-            INFO("from " << distance << ", samples up to " << up_to << " px");
-            CHECK(hidden_part(picture(h, sheets, looking({distance, 0.1, 0.2}, {}, 256, 1), 1), distance) <= 0.05);
+            for (const int samples : {1, 64}) {
+                INFO("from " << distance << ", samples up to " << up_to << " px, " << samples << " a pixel");
+                const View view = looking({distance, 0.1, 0.2}, {}, 256, 1);
+                CHECK(hidden_part(picture(h, sheets, view, samples), distance) <= 0.05);
+            }
         }
     }
 }
@@ -94,10 +97,14 @@ TEST_CASE("a stop draws its cell's sample where it is asked to, and nothing else
     for (const bool own : {false, true}) {
         const Samples h = build<Samples>(triangles, {.approximation = {.samples_up_to_px = own ? 1.0f : 0.0f}});
         Recorder recorder;
-        recorder.largest_splat = 2;
+        recorder.largest_splat = 0.25f;
         const FrameStats stats = make_viewer(h, triangles, recorder).frame(far);
         CHECK(stats.approximations == 1);
         CHECK(recorder.splats.size() == 1);
+        Recorder coarse;
+        coarse.largest_splat = 2;  // one sample a pixel
+        make_viewer(h, triangles, coarse).frame(far);
+        CHECK(coarse.draws.empty());
         CHECK(recorder.draws.size() == (own ? h.stand_ins()[0].sample_size : 0));
         CHECK(h.stand_ins()[0].sample_size >= 14);
     }
@@ -129,7 +136,7 @@ TEST_CASE("instances of sample trees stay in their cells and are drawn as their 
         make_viewer(h, instances, renderer).frame(looking({distance, 0.3 * distance, 0}, {}, 160, tolerance));
         return renderer.image();
     };
-    for (const double distance : {80.0, 400.0, 1600.0}) {
+    for (const double distance : {80.0, 200.0, 600.0}) {
         const CoverageError e = coverage_error(drawn(all, placed, distance, 1), drawn(all, placed, distance, 0)),
                             of_plain = coverage_error(drawn(plain, plainly_placed, distance, 1),
                                                       drawn(plain, plainly_placed, distance, 0));

@@ -31,7 +31,8 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     float c = 13.8f;
     std::uint32_t seed = 0;
     /// Where the tolerance is at most this, a cell that a frame stops at has its sample drawn too, before what stands
-    /// for the rest (section 4.2); beyond it, not (4.5: splats of i pixels, faster and less accurate). 0: never.
+    /// for the rest (section 4.2), by renderers of more than 4 samples a pixel; beyond it, not (4.5: splats of i
+    /// pixels, faster and less accurate). 0: never.
     float samples_up_to_px = 1;
     /// Cells that hold more area than this, in squares of their side, are drawn without their sample. More than one
     /// sheet lies in them, and a sample shows the hidden ones through the gaps of the one in front (figure 5); a single
@@ -105,7 +106,9 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
 
     template <class Sink>
     void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
-        const bool with_sample = draws_samples(view) && data.sample_size != 0;
+        // Where a sample of the picture is half a pixel or more, polygons smaller than a pixel are noise, and cost
+        // more.
+        const bool with_sample = draws_samples(view) && sink.splat_limit_px < 1 && data.sample_size != 0;
         if (with_sample) sink(OwnRun{data.sample_size});
         if (with_sample && data.sample_size == all) return;
         const unsigned left = with_sample ? data.left - data.sample : data.left;
