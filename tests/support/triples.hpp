@@ -10,6 +10,7 @@
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/partition/gap_bsp.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
@@ -18,7 +19,8 @@
 namespace farfield::test {
 
 using OctreeOfBsps = Nested<Octree, PolygonBsp>;
-using Partitions = std::tuple<Named<Octree>, Named<SharedOctree>, Named<PolygonBsp>, Named<OctreeOfBsps>>;
+using Partitions = std::tuple<Named<Octree>, Named<SharedOctree>, Named<PolygonBsp>, Named<OctreeOfBsps>, Named<GapBsp>,
+                              Named<SharedGapBsp>, Named<ClippedGapBsp>>;
 using Approximations = std::tuple<Named<Exact>, Named<ColorCube>, Named<ColorCubeCluster<2>>,
                                   Named<ColorCubeCluster<4>>, Named<OpacityTensor>>;
 using CostModels = std::tuple<Named<TriangleCount>, Named<MeasuredTime>>;
@@ -33,6 +35,6 @@ using HierarchiesWith = decltype(hierarchies_of(
 /// Of every triple.
 using Hierarchies = decltype(hierarchies_of(
     variants_of(std::declval<Partitions>(), std::declval<Approximations>(), std::declval<CostModels>())));
-static_assert(std::tuple_size_v<Hierarchies> == 40, "all of today's policies compose");
+static_assert(std::tuple_size_v<Hierarchies> == 70, "all of today's policies compose");
 
 }  // namespace farfield::test

@@ -118,6 +118,16 @@ inline const char* name_of(const OctreeOfBsps&) {
     return "OctreeOfBsps";
 }
 
+inline const char* name_of(const GapBsp&) {
+    return "GapBsp";
+}
+inline const char* name_of(const SharedGapBsp&) {
+    return "SharedGapBsp";
+}
+inline const char* name_of(const ClippedGapBsp&) {
+    return "ClippedGapBsp";
+}
+
 template <class... H>
 std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
     return {Variant{

@@ -1,0 +1,256 @@
+// The best gap between things along a line: the scan of two sorted lists of Shade et al. 1996, section 4.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace farfield::detail {
+
+/// What a thing takes up along a line.
+struct Extent {
+    float lower = 0, upper = 0;
+    float weight = 0;     ///< its share in the balance
+    bool blocks = false;  ///< no plane may cross it
+};
+
+/// A place for a plane. What ends at `at` or before lies behind it, what begins there or after lies in front.
+struct Gap {
+    float at = 0;
+    float price = std::numeric_limits<float>::infinity();  ///< infinite: there is none
+    std::size_t active = 0;                                ///< things that cross it
+    float length = 0;                                      ///< of all things together
+
+    bool is_found() const { return price < std::numeric_limits<float>::infinity(); }
+};
+
+/// Gaps are where something ends and something else begins next: there the number of things that a plane crosses is a
+/// local minimum. The price of one is (1 + price_of_split * things crossed) / balance, where the balance is 4 a (1 - a)
+/// and `a` the share of the weight behind it, half of what is crossed included. (The paper leaves the function open. A
+/// quotient needs no other weight where there are more things: a plane of twice the use may cross twice as many.)
+///
+/// Sorting everything for every plane would take n log^2 n for a tree. So things are counted in bins first, each of
+/// which tells what a gap in it could cost at the least, and only the most promising ones are sorted, up to a quarter
+/// of the whole.
+class GapSearch {
+  public:
+    /// `most_active`: planes that cross a larger share of the things are none.
+    GapSearch(float price_of_split, float most_active) : price_of_split_(price_of_split), most_active_(most_active) {}
+
+    Gap best(std::span<const Extent> things) {
+        things_ = things;
+        best_ = {};
+        if (things.size() < 2) return best_;
+        float first = things[0].lower, last = things[0].upper;
+        double weight = 0;
+        for (const Extent& e : things) {
+            first = std::min(first, e.lower);
+            last = std::max(last, e.upper);
+            weight += double(e.weight);
+        }
+        best_.length = last - first;
+        counts_as_one_ = !(weight > 0);
+        per_weight_ = 1 / (counts_as_one_ ? double(things.size()) : weight);
+        most_crossed_ = std::size_t(double(most_active_) * double(things.size()));
+        bins_ = std::min(things.size() / 4, most_bins);
+        const float bins_per_unit = float(bins_) / (last - first);
+        if (things.size() <= few || !std::isfinite(bins_per_unit)) {
+            take_all();
+        } else {
+            take_bins(first, bins_per_unit);
+        }
+        return best_;
+    }
+
+  private:
+    static constexpr std::size_t few = 96, most_bins = 1024;
+    static constexpr float infinity = std::numeric_limits<float>::infinity();
+
+    /// An end of a thing.
+    struct Bound {
+        float at, weight;
+        bool blocks, is_flat;
+    };
+    /// Things that began or ended so far.
+    struct Counts {
+        double weight = 0;
+        std::size_t things = 0, blocking = 0;
+
+        void add(const Bound& b) {
+            weight += double(b.weight);
+            ++things;
+            blocking += b.blocks;
+        }
+        void add(const Counts& c) {
+            weight += c.weight;
+            things += c.things;
+            blocking += c.blocking;
+        }
+    };
+    struct State {
+        Counts begun, ended;
+    };
+    struct Bin {
+        Counts begun, ended;
+        float first_begin = infinity, first_end = infinity;
+        State before{};
+        float least_price = infinity;
+        std::uint32_t list = 0;  ///< 1 and more: its bounds are sorted
+    };
+    struct Lists {
+        std::vector<Bound> begins, ends;
+    };
+
+    Bound begin_of(const Extent& e) const {
+        return {e.lower, counts_as_one_ ? 1.0f : e.weight, e.blocks, e.lower == e.upper};
+    }
+    Bound end_of(const Extent& e) const {
+        return {e.upper, counts_as_one_ ? 1.0f : e.weight, e.blocks, e.lower == e.upper};
+    }
+
+    void take_all() {
+        if (lists_.empty()) lists_.resize(1);
+        Lists& l = lists_[0];
+        l.begins.clear();
+        l.ends.clear();
+        for (const Extent& e : things_) {
+            l.begins.push_back(begin_of(e));
+            l.ends.push_back(end_of(e));
+        }
+        scan(l, {}, infinity);
+    }
+
+    // --- many
+
+    void take_bins(float first, float bins_per_unit) {
+        const auto bin_of = [&](float at) { return std::min(std::size_t((at - first) * bins_per_unit), bins_ - 1); };
+        bin_.assign(bins_, Bin{});
+        for (const Extent& e : things_) {
+            Bin& b = bin_[bin_of(e.lower)];
+            b.begun.add(begin_of(e));
+            b.first_begin = std::min(b.first_begin, e.lower);
+            Bin& d = bin_[bin_of(e.upper)];
+            d.ended.add(end_of(e));
+            d.first_end = std::min(d.first_end, e.upper);
+        }
+        State state;
+        by_price_.clear();
+        for (std::size_t i = 0; i < bins_; ++i) {
+            Bin& b = bin_[i];
+            b.before = state;
+            state.begun.add(b.begun);
+            state.ended.add(b.ended);
+            if (b.ended.things == 0) continue;
+            b.least_price = least_price(b, state);
+            if (b.least_price < infinity) by_price_.push_back(std::uint32_t(i));
+        }
+        const std::size_t lists = choose_bins();
+        for (const Extent& e : things_) {
+            if (const std::uint32_t l = bin_[bin_of(e.lower)].list; l != 0) lists_[l - 1].begins.push_back(begin_of(e));
+            if (const std::uint32_t l = bin_[bin_of(e.upper)].list; l != 0) lists_[l - 1].ends.push_back(end_of(e));
+        }
+        for (std::size_t l = 0; l < lists; ++l) {
+            const Bin& b = bin_[by_price_[l]];
+            if (b.least_price < best_.price) scan(lists_[l], b.before, next_begin(by_price_[l] + 1));
+        }
+    }
+
+    /// No gap in the bin costs less: at best everything that ends in it has ended, and the balance is the best that is
+    /// met on the way.
+    float least_price(const Bin& b, const State& after) const {
+        const std::size_t open = b.before.begun.things - b.before.ended.things,
+                          crossed = open > b.ended.things ? open - b.ended.things : 0;
+        const double from = share(b.before), to = share(after);
+        return price(crossed, from > 0.5 ? from : std::min(to, 0.5));
+    }
+
+    /// Numbers the lists of the most promising bins; returns how many there are.
+    std::size_t choose_bins() {
+        std::sort(by_price_.begin(), by_price_.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return bin_[a].least_price != bin_[b].least_price ? bin_[a].least_price < bin_[b].least_price : a < b;
+        });
+        std::size_t lists = 0, bounds = 0;
+        for (const std::uint32_t i : by_price_) {
+            if (lists != 0 && bounds > things_.size() / 2) break;
+            bounds += bin_[i].begun.things + bin_[i].ended.things;
+            bin_[i].list = std::uint32_t(++lists);
+        }
+        if (lists_.size() < lists) lists_.resize(lists);
+        for (std::size_t l = 0; l < lists; ++l) {
+            lists_[l].begins.clear();
+            lists_[l].ends.clear();
+        }
+        return lists;
+    }
+
+    /// Where something begins after a bin before anything ends; infinity if something ends first, which makes a better
+    /// gap than one before it.
+    float next_begin(std::size_t bin) const {
+        while (bin < bins_ && bin_[bin].begun.things + bin_[bin].ended.things == 0) ++bin;
+        if (bin == bins_) return infinity;
+        return bin_[bin].first_begin <= bin_[bin].first_end ? bin_[bin].first_begin : infinity;
+    }
+
+    // --- the scan
+
+    /// Goes through sorted bounds from what came before them; `next` is where something begins after them. At one place
+    /// things without extent come first, whole, then all that end there, then all that begin: to touch is not to
+    /// overlap.
+    void scan(Lists& lists, State state, float next) {
+        std::vector<Bound>&begins = lists.begins, &ends = lists.ends;
+        std::sort(begins.begin(), begins.end(),
+                  [](const Bound& a, const Bound& b) { return a.at != b.at ? a.at < b.at : a.is_flat && !b.is_flat; });
+        std::sort(ends.begin(), ends.end(), [](const Bound& a, const Bound& b) { return a.at < b.at; });
+        std::size_t b = 0;
+        for (std::size_t e = 0; e < ends.size();) {
+            const float end = ends[e].at;
+            while (b < begins.size() && (begins[b].at < end || (begins[b].at == end && begins[b].is_flat))) {
+                state.begun.add(begins[b++]);
+            }
+            while (e < ends.size() && ends[e].at == end) state.ended.add(ends[e++]);
+            const float begin = b < begins.size() ? begins[b].at : next;
+            if (begin < infinity && !(e < ends.size() && ends[e].at < begin)) offer(state, end, begin);
+        }
+    }
+
+    void offer(const State& state, float end, float begin) {
+        if (state.ended.things == 0 || state.begun.things == things_.size()) return;
+        if (state.begun.blocking != state.ended.blocking) return;
+        const std::size_t crossed = state.begun.things - state.ended.things;
+        const float p = price(crossed, share(state));
+        if (!(p < best_.price)) return;
+        // In the middle, as long as rounding leaves it before the next begin.
+        const float middle = end * 0.5f + begin * 0.5f;
+        best_.at = end < middle && middle < begin ? middle : end;
+        best_.price = p;
+        best_.active = crossed;
+    }
+
+    double share(const State& s) const { return 0.5 * (s.begun.weight + s.ended.weight) * per_weight_; }
+    float price(std::size_t crossed, double share) const {
+        if (crossed > most_crossed_) return infinity;
+        // Next to nothing on one side is still worth something.
+        const double balance = std::max(4 * share * (1 - share), 1e-9);
+        return float((1 + double(price_of_split_) * double(crossed)) / balance);
+    }
+
+    float price_of_split_, most_active_;
+    std::span<const Extent> things_{};
+    Gap best_{};
+    bool counts_as_one_ = false;  ///< nothing weighs anything
+    double per_weight_ = 0;
+    std::size_t most_crossed_ = 0, bins_ = 0;
+    std::vector<Bin> bin_{};
+    std::vector<std::uint32_t> by_price_{};
+    std::vector<Lists> lists_{};
+};
+
+}  // namespace farfield::detail
