@@ -121,13 +121,6 @@ inline const char* name_of(const OctreeOfBsps&) {
 inline const char* name_of(const GapBsp&) {
     return "GapBsp";
 }
-inline const char* name_of(const SharedGapBsp&) {
-    return "SharedGapBsp";
-}
-inline const char* name_of(const ClippedGapBsp&) {
-    return "ClippedGapBsp";
-}
-
 template <class... H>
 std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
     return {Variant{

@@ -312,7 +312,7 @@ struct BasicGapBsp {
             detail::Gap gap;
         };
         // What is stored once may cross any number of planes; copies and pieces must not multiply.
-        detail::GapSearch search(price_of_split, assigned == Assignment::unique ? 1.0f : 0.5f);
+        detail::GapSearch search(price_of_split, assigned == Assignment::unique ? 1.0f : 0.25f);
         std::vector<detail::Extent> along;
         along.reserve(count);
         std::array<Choice, most_directions + 3> choices;

@@ -38,7 +38,7 @@ struct Gap {
 /// quotient needs no other weight where there are more things: a plane of twice the use may cross twice as many.)
 ///
 /// Sorting everything for every plane would take n log^2 n for a tree. So things are counted in bins first, each of
-/// which tells what a gap in it could cost at the least, and only the most promising ones are sorted, up to a quarter
+/// which tells what a gap in it could cost at the least, and only the most promising ones are sorted, up to an eighth
 /// of the whole.
 class GapSearch {
   public:
@@ -71,7 +71,7 @@ class GapSearch {
     }
 
   private:
-    static constexpr std::size_t few = 96, most_bins = 1024;
+    static constexpr std::size_t few = 256, most_bins = 256, most_lists = 128, few_bounds = 1024;
     static constexpr float infinity = std::numeric_limits<float>::infinity();
 
     /// An end of a thing.
@@ -82,7 +82,7 @@ class GapSearch {
     /// Things that began or ended so far.
     struct Counts {
         double weight = 0;
-        std::size_t things = 0, blocking = 0;
+        std::uint32_t things = 0, blocking = 0;
 
         void add(const Bound& b) {
             weight += double(b.weight);
@@ -98,12 +98,16 @@ class GapSearch {
     struct State {
         Counts begun, ended;
     };
+    /// Small, so that all of them stay in the nearest cache.
     struct Bin {
-        Counts begun, ended;
+        Counts begun{}, ended{};
         float first_begin = infinity, first_end = infinity;
-        State before{};
-        float least_price = infinity;
-        std::uint32_t list = 0;  ///< 1 and more: its bounds are sorted
+    };
+    /// A bin that may hold the best gap.
+    struct Promise {
+        float least_price;
+        std::uint32_t bin;
+        State before;
     };
     struct Lists {
         std::vector<Bound> begins, ends;
@@ -117,7 +121,6 @@ class GapSearch {
     }
 
     void take_all() {
-        if (lists_.empty()) lists_.resize(1);
         Lists& l = lists_[0];
         l.begins.clear();
         l.ends.clear();
@@ -141,49 +144,48 @@ class GapSearch {
             d.ended.add(end_of(e));
             d.first_end = std::min(d.first_end, e.upper);
         }
+        promises_.clear();
         State state;
-        by_price_.clear();
         for (std::size_t i = 0; i < bins_; ++i) {
-            Bin& b = bin_[i];
-            b.before = state;
-            state.begun.add(b.begun);
-            state.ended.add(b.ended);
-            if (b.ended.things == 0) continue;
-            b.least_price = least_price(b, state);
-            if (b.least_price < infinity) by_price_.push_back(std::uint32_t(i));
+            const State before = state;
+            state.begun.add(bin_[i].begun);
+            state.ended.add(bin_[i].ended);
+            if (bin_[i].ended.things == 0) continue;
+            const float least = least_price(before, state);
+            if (least < infinity) promises_.push_back({least, std::uint32_t(i), before});
         }
         const std::size_t lists = choose_bins();
         for (const Extent& e : things_) {
-            if (const std::uint32_t l = bin_[bin_of(e.lower)].list; l != 0) lists_[l - 1].begins.push_back(begin_of(e));
-            if (const std::uint32_t l = bin_[bin_of(e.upper)].list; l != 0) lists_[l - 1].ends.push_back(end_of(e));
+            if (const std::uint8_t l = list_[bin_of(e.lower)]; l != 0) lists_[l - 1u].begins.push_back(begin_of(e));
+            if (const std::uint8_t l = list_[bin_of(e.upper)]; l != 0) lists_[l - 1u].ends.push_back(end_of(e));
         }
         for (std::size_t l = 0; l < lists; ++l) {
-            const Bin& b = bin_[by_price_[l]];
-            if (b.least_price < best_.price) scan(lists_[l], b.before, next_begin(by_price_[l] + 1));
+            const Promise& p = promises_[l];
+            if (p.least_price < best_.price) scan(lists_[l], p.before, next_begin(p.bin + 1));
         }
     }
 
     /// No gap in the bin costs less: at best everything that ends in it has ended, and the balance is the best that is
     /// met on the way.
-    float least_price(const Bin& b, const State& after) const {
-        const std::size_t open = b.before.begun.things - b.before.ended.things,
-                          crossed = open > b.ended.things ? open - b.ended.things : 0;
-        const double from = share(b.before), to = share(after);
+    float least_price(const State& before, const State& after) const {
+        const std::size_t open = before.begun.things - before.ended.things,
+                          ends = after.ended.things - before.ended.things, crossed = open > ends ? open - ends : 0;
+        const double from = share(before), to = share(after);
         return price(crossed, from > 0.5 ? from : std::min(to, 0.5));
     }
 
     /// Numbers the lists of the most promising bins; returns how many there are.
     std::size_t choose_bins() {
-        std::sort(by_price_.begin(), by_price_.end(), [&](std::uint32_t a, std::uint32_t b) {
-            return bin_[a].least_price != bin_[b].least_price ? bin_[a].least_price < bin_[b].least_price : a < b;
+        std::sort(promises_.begin(), promises_.end(), [](const Promise& a, const Promise& b) {
+            return a.least_price != b.least_price ? a.least_price < b.least_price : a.bin < b.bin;
         });
+        list_.fill(0);
         std::size_t lists = 0, bounds = 0;
-        for (const std::uint32_t i : by_price_) {
-            if (lists != 0 && bounds > things_.size() / 2) break;
-            bounds += bin_[i].begun.things + bin_[i].ended.things;
-            bin_[i].list = std::uint32_t(++lists);
+        for (const Promise& p : promises_) {
+            if (lists == most_lists || (lists != 0 && bounds > std::max(things_.size() / 4, few_bounds))) break;
+            bounds += bin_[p.bin].begun.things + bin_[p.bin].ended.things;
+            list_[p.bin] = std::uint8_t(++lists);
         }
-        if (lists_.size() < lists) lists_.resize(lists);
         for (std::size_t l = 0; l < lists; ++l) {
             lists_[l].begins.clear();
             lists_[l].ends.clear();
@@ -249,8 +251,9 @@ class GapSearch {
     double per_weight_ = 0;
     std::size_t most_crossed_ = 0, bins_ = 0;
     std::vector<Bin> bin_{};
-    std::vector<std::uint32_t> by_price_{};
-    std::vector<Lists> lists_{};
+    std::vector<Promise> promises_{};             ///< best first
+    std::array<std::uint8_t, most_bins> list_{};  ///< of a bin: 1 and more where its bounds are sorted
+    std::array<Lists, most_lists> lists_{};
 };
 
 }  // namespace farfield::detail
