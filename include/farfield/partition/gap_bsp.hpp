@@ -132,7 +132,7 @@ struct BasicGapBsp {
             }
         };
         const auto any = [](const CuttingPlane&) { return true; };
-        if (!find_plane(items.size(), extents, any, data.plane)) return Split::inseparable;
+        if (!find_plane(cell, items.size(), extents, any, data.plane)) return Split::inseparable;
         std::array<Box, 2> boxes{Box::empty(), Box::empty()};
         for (const Item& item : items) {
             if constexpr (is_shared) {
@@ -190,7 +190,7 @@ struct BasicGapBsp {
             }
         };
         const auto divides = [&](const CuttingPlane& plane) { return divides_items(cell, items, plane); };
-        return find_plane(items.size(), extents, divides, data.plane) ? Split::yes : Split::inseparable;
+        return find_plane(cell, items.size(), extents, divides, data.plane) ? Split::yes : Split::inseparable;
     }
     Cuts cuts(const Cell&, const node_data& data) const { return {{data.plane}, 1, 2}; }
     /// What lies on the plane goes in front.
@@ -237,6 +237,8 @@ struct BasicGapBsp {
     }
 
   private:
+    static constexpr float good_price = 1.05f;
+
     /// Of length 1 or zero; exact along an axis, where touching boxes must touch.
     static glm::vec3 unit(glm::vec3 d) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -306,7 +308,8 @@ struct BasicGapBsp {
 
     /// extents(normal, out) appends what the items take up along a normal. False if no plane tells any apart.
     template <class Extents, class IsGood>
-    bool find_plane(std::size_t count, Extents&& extents, IsGood&& is_good, CuttingPlane& plane) const {
+    bool find_plane(const Cell& cell, std::size_t count, Extents&& extents, IsGood&& is_good,
+                    CuttingPlane& plane) const {
         struct Choice {
             CuttingPlane plane;
             detail::Gap gap;
@@ -318,6 +321,7 @@ struct BasicGapBsp {
         std::array<Choice, most_directions + 3> choices;
         std::size_t size = 0;
         bool has_gap = false;
+        float price = std::numeric_limits<float>::infinity();
         const auto look_along = [&](glm::vec3 direction) {
             if (direction == glm::vec3(0)) return;
             along.clear();
@@ -325,8 +329,18 @@ struct BasicGapBsp {
             const detail::Gap gap = search.best(along);
             if (gap.is_found()) choices[size++] = {{direction, gap.at}, gap};
             has_gap = has_gap || (gap.is_found() && 2 * gap.active <= along.size());
+            price = std::min(price, gap.price);
         };
-        for (const glm::vec3& d : directions) look_along(unit(d));
+        std::array<glm::vec3, most_directions> by_length;
+        for (std::size_t i = 0; i < most_directions; ++i) by_length[i] = unit(directions[i]);
+        const auto length = [&](glm::vec3 normal) { return glm::dot(glm::abs(normal), cell.half); };
+        std::stable_sort(by_length.begin(), by_length.end(),
+                         [&](glm::vec3 a, glm::vec3 b) { return length(a) > length(b); });
+        for (const glm::vec3& d : by_length) {
+            // The least price of all is 1: a shorter direction has next to nothing to gain on such a gap.
+            if (price <= good_price) break;
+            look_along(d);
+        }
         if (!has_gap) {
             for (int axis = 0; axis < 3; ++axis) look_along(glm::vec3(axis == 0, axis == 1, axis == 2));
         }

@@ -60,7 +60,7 @@ class GapSearch {
         counts_as_one_ = !(weight > 0);
         per_weight_ = 1 / (counts_as_one_ ? double(things.size()) : weight);
         most_crossed_ = std::size_t(double(most_active_) * double(things.size()));
-        bins_ = std::min(things.size() / 4, most_bins);
+        bins_ = std::min(things.size(), most_bins);
         const float bins_per_unit = float(bins_) / (last - first);
         if (things.size() <= few || !std::isfinite(bins_per_unit)) {
             take_all();
@@ -71,7 +71,7 @@ class GapSearch {
     }
 
   private:
-    static constexpr std::size_t few = 256, most_bins = 256, most_lists = 128, few_bounds = 1024;
+    static constexpr std::size_t few = 32, most_bins = 256, most_lists = 128, few_bounds = 256;
     static constexpr float infinity = std::numeric_limits<float>::infinity();
 
     /// An end of a thing.
@@ -134,13 +134,18 @@ class GapSearch {
     // --- many
 
     void take_bins(float first, float bins_per_unit) {
-        const auto bin_of = [&](float at) { return std::min(std::size_t((at - first) * bins_per_unit), bins_ - 1); };
+        const auto bin_of = [&](float at) {
+            return std::uint8_t(std::min(std::uint32_t((at - first) * bins_per_unit), std::uint32_t(bins_ - 1)));
+        };
         bin_.assign(bins_, Bin{});
-        for (const Extent& e : things_) {
-            Bin& b = bin_[bin_of(e.lower)];
+        places_.resize(things_.size());
+        for (std::size_t i = 0; i < things_.size(); ++i) {
+            const Extent& e = things_[i];
+            places_[i] = {bin_of(e.lower), bin_of(e.upper)};
+            Bin& b = bin_[places_[i][0]];
             b.begun.add(begin_of(e));
             b.first_begin = std::min(b.first_begin, e.lower);
-            Bin& d = bin_[bin_of(e.upper)];
+            Bin& d = bin_[places_[i][1]];
             d.ended.add(end_of(e));
             d.first_end = std::min(d.first_end, e.upper);
         }
@@ -155,9 +160,10 @@ class GapSearch {
             if (least < infinity) promises_.push_back({least, std::uint32_t(i), before});
         }
         const std::size_t lists = choose_bins();
-        for (const Extent& e : things_) {
-            if (const std::uint8_t l = list_[bin_of(e.lower)]; l != 0) lists_[l - 1u].begins.push_back(begin_of(e));
-            if (const std::uint8_t l = list_[bin_of(e.upper)]; l != 0) lists_[l - 1u].ends.push_back(end_of(e));
+        for (std::size_t i = 0; i < things_.size() && lists != 0; ++i) {
+            const std::uint8_t begin = list_[places_[i][0]], end = list_[places_[i][1]];
+            if (begin != 0) lists_[begin - 1u].begins.push_back(begin_of(things_[i]));
+            if (end != 0) lists_[end - 1u].ends.push_back(end_of(things_[i]));
         }
         for (std::size_t l = 0; l < lists; ++l) {
             const Promise& p = promises_[l];
@@ -251,8 +257,9 @@ class GapSearch {
     double per_weight_ = 0;
     std::size_t most_crossed_ = 0, bins_ = 0;
     std::vector<Bin> bin_{};
-    std::vector<Promise> promises_{};             ///< best first
-    std::array<std::uint8_t, most_bins> list_{};  ///< of a bin: 1 and more where its bounds are sorted
+    std::vector<std::array<std::uint8_t, 2>> places_{};  ///< bins of each thing's ends
+    std::vector<Promise> promises_{};                    ///< best first
+    std::array<std::uint8_t, most_bins> list_{};         ///< of a bin: 1 and more where its bounds are sorted
     std::array<Lists, most_lists> lists_{};
 };
 
