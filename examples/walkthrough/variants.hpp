@@ -48,5 +48,6 @@ Recipe color_cube_shared();
 Recipe opacity_tensor();
 Recipe bsp();
 Recipe octree_of_bsps();
+Recipe gap_bsp();
 
 }  // namespace walkthrough

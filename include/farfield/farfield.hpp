@@ -22,6 +22,7 @@
 #include "farfield/measure/projected_rect.hpp"
 #include "farfield/measure/ssim.hpp"
 #include "farfield/merged_viewer.hpp"
+#include "farfield/partition/gap_bsp.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"

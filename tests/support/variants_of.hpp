@@ -118,6 +118,9 @@ inline const char* name_of(const OctreeOfBsps&) {
     return "OctreeOfBsps";
 }
 
+inline const char* name_of(const GapBsp&) {
+    return "GapBsp";
+}
 template <class... H>
 std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
     return {Variant{
