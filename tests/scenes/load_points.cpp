@@ -55,7 +55,7 @@ std::string two(const std::string& first, const std::string& second) {
 std::vector<Point> with_neighbors(std::vector<glm::vec3> positions) {
     std::vector<Point> points(positions.size());
     for (std::size_t i = 0; i < points.size(); ++i) points[i].position = positions[i];
-    detail::set_from_neighbors(points, std::vector<detail::Unknown>(points.size(), {true, true}));
+    scenes::detail::set_from_neighbors(points, std::vector<scenes::detail::Unknown>(points.size(), {true, true}));
     return points;
 }
 
@@ -374,10 +374,10 @@ TEST_CASE("PCD: text, bytes, and packed bytes", "[scenes][load]") {
         put(bytes, i == 0 ? red : green);
         bytes += "pad";
     }
-    for (const std::uint8_t label : {7, 7}) put(by_field, label);
+    for (int i = 0; i < 2; ++i) put(by_field, std::uint8_t{7});
     for (const double x : {0.0, 1.0}) put(by_field, x);
     for (const float y : {0.0f, 0.0f}) put(by_field, y);
-    for (const std::int16_t z : {-3, -3}) put(by_field, z);
+    for (int i = 0; i < 2; ++i) put(by_field, std::int16_t{-3});
     for (const std::uint32_t color : {red, green}) put(by_field, color);
     by_field += "padpad";
     const auto header = [&](const std::string& data) {
