@@ -166,6 +166,39 @@ TEST_CASE("points: density may change by any factor", "[scenes]") {
     }
 }
 
+TEST_CASE("points: the nearest are those that brute force finds", "[scenes]") {
+    Random random(7);
+    std::vector<glm::vec3> positions;
+    for (int i = 0; i < 700; ++i) positions.push_back(std::pow(2.0f, random.between(-8, 3)) * random.direction());
+    std::vector<double> spacings;
+    std::vector<std::vector<std::size_t>> nearest;
+    const auto middle = [](std::vector<double> values) {
+        std::sort(values.begin(), values.end());
+        return values[(values.size() - 1) / 2];
+    };
+    for (const glm::vec3& p : positions) {
+        std::vector<std::pair<double, std::size_t>> all;
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+            all.emplace_back(glm::length(glm::dvec3(positions[i]) - glm::dvec3(p)), i);
+        }
+        std::sort(all.begin(), all.end());
+        std::vector<double> estimates;
+        nearest.emplace_back();
+        for (std::size_t j = 1; j <= 16; ++j) {
+            estimates.push_back(all[j].first / std::sqrt(double(j)));
+            nearest.back().push_back(all[j].second);
+        }
+        spacings.push_back(middle(estimates));
+    }
+    const auto points = with_neighbors(positions);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::vector<double> around;
+        for (const std::size_t j : nearest[i]) around.push_back(spacings[j]);
+        const double radius = std::sqrt(2.0) * std::min(spacings[i], 2 * middle(around));
+        CHECK(std::abs(double(points[i].radius) / radius - 1) < 1e-6);
+    }
+}
+
 TEST_CASE("points: what lies in no plane stays a ball", "[scenes]") {
     Random random(5);
     std::vector<glm::vec3> foliage, line;
@@ -283,7 +316,8 @@ TEST_CASE("PTS: counts, intensities, several scans", "[scenes][load]") {
     CHECK(grays("51", "102") == std::pair(51, 102));
     CHECK(grays("1000", "9000") == std::pair(0, 255));
     CHECK(grays("nan", "1e30") == std::pair(128, 128));  // one value has no range
-    CHECK(contains(failure("a.pts", "3\n" + two("1", "2")), "line 3: only 2 of the 3 points that line 1 claims"));
+    CHECK(
+        contains(failure("a.pts", "3\n" + two("1.000", "2.000")), "line 3: only 2 of the 3 points that line 1 claims"));
     CHECK(contains(failure("a.pts", "1\n" + two("1", "2")), "line 3: more than the 1 points that line 1 claims"));
     CHECK(contains(failure("a.pts", "2\n0 0 0\n1\n1 0 0\n"), "only 1 of the 2"));
     CHECK(contains(failure("a.pts", "18446744073709551615\n0 0 0\n"), "claims"));
@@ -341,7 +375,7 @@ TEST_CASE("PLY without faces is a cloud", "[scenes][load]") {
     CHECK(read("a.ply", ply("property float f_dc_0\n", two("1", "2"))).notes.size() == 1);
     CHECK(contains(failure("a.ply", ply("property float radius\n", two("1e38", "1"))), "point 0 has a radius of more"));
     CHECK(read("a.ply", ply("", "0 0 0\nnan nan nan\n")).notes.size() == 1);
-    CHECK(contains(failure("a.ply", ply("", "0 0 0\n1 0\n")), "vertex 1 of 2"));
+    CHECK(contains(failure("a.ply", ply("", "0 0 0.000\n1 0.000\n")), "vertex 1 of 2"));
 }
 
 TEST_CASE("PCD: text, bytes, and packed bytes", "[scenes][load]") {

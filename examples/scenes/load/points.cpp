@@ -33,7 +33,7 @@ class Neighbors {
         }
     };
 
-    explicit Neighbors(std::vector<glm::vec3> points) : order_(points.size()), axes_(points.size()) {
+    explicit Neighbors(std::vector<glm::vec3> points) : order_(points.size()), halves_(points.size()) {
         std::iota(order_.begin(), order_.end(), std::uint32_t{0});
         halve(points, 0, points.size());
         sorted_.reserve(points.size());
@@ -52,6 +52,11 @@ class Neighbors {
 
   private:
     static constexpr std::size_t leaf = 8;
+    /// The first half is at or below, the second at or above.
+    struct Halves {
+        int axis;
+        float at;
+    };
 
     void halve(const std::vector<glm::vec3>& points, std::size_t begin, std::size_t end) {
         if (end - begin <= leaf) return;
@@ -65,7 +70,7 @@ class Neighbors {
             const float p = points[a][axis], q = points[b][axis];
             return p != q ? p < q : a < b;
         });
-        axes_[middle] = static_cast<unsigned char>(axis);
+        halves_[middle] = {axis, points[order_[middle]][axis]};
         halve(points, begin, middle);
         halve(points, middle, end);
     }
@@ -80,8 +85,8 @@ class Neighbors {
             return;
         }
         const std::size_t middle = begin + (end - begin) / 2;
-        const int axis = axes_[middle];
-        const double beyond = p[axis] - static_cast<double>(sorted_[middle][axis]);
+        const Halves halves = halves_[middle];
+        const double beyond = p[halves.axis] - static_cast<double>(halves.at);
         const bool upper = beyond >= 0;
         search(p, self, upper ? middle : begin, upper ? end : middle);
         // Equal distances are looked at, too: the smaller index is the nearer.
@@ -97,8 +102,8 @@ class Neighbors {
     }
 
     Indices order_;
-    std::vector<unsigned char> axes_;  ///< of halves, at the place of their middle
-    std::vector<glm::vec3> sorted_;    ///< in that order
+    std::vector<Halves> halves_;     ///< at the place of their middle, which no others have
+    std::vector<glm::vec3> sorted_;  ///< in that order
     std::array<Neighbor, most_neighbors> best_{};
     std::size_t count_ = 0, wanted_ = 0;
 };
