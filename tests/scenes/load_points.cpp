@@ -259,7 +259,7 @@ TEST_CASE("XYZ: columns by what is in them", "[scenes][load]") {
 TEST_CASE("XYZ: columns by their names, comments, and any separators", "[scenes][load]") {
     const std::vector<Rgba8> wanted{{255, 0, 51, 255}, {0, 102, 0, 255}};
     const std::string rows = "9 255 0 51 0 0 0\n9 0 102 0 1 0 0\n";
-    for (const std::string& names :
+    for (const std::string names :
          {"t R G B X Y Z\n", "t,r,g,b,x,y,z\n", "# t red green blue x y z\n", "//t;R;G;B;X;Y;Z\n2\n"}) {
         const Scene scene = read("a.xyz", names + rows);
         CHECK(colors(scene) == wanted);
