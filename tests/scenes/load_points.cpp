@@ -343,6 +343,10 @@ TEST_CASE("clouds: what was not seen is left out, and far from zero nothing is l
         far_off += "50000" + std::to_string(i % 10) + ".125 540000" + std::to_string(i / 10) + rest;
     }
     const Scene here = read("a.xyz", near_zero), there = read("a.xyz", far_off);
+    // Not even by a point that means nothing.
+    std::string often;
+    for (int i = 0; i < 3; ++i) often += far_off;
+    CHECK(read("a.xyz", often + "0 0 0\n").origin == there.origin);
     CHECK(there.origin == glm::dvec3(500000, 5400000, 0));
     REQUIRE(here.groups[0].triangles.size() == there.groups[0].triangles.size());
     for (std::size_t i = 0; i < here.groups[0].triangles.size(); ++i) {

@@ -194,6 +194,26 @@ Indices places_of(std::span<const Point> points, Indices& firsts) {
     return place;
 }
 
+/// What encloses all but the first and the last hundredth on each axis. Points that mean nothing are often at zero, and
+/// must not take from the others, far from there, the bits of single precision.
+BoxD without_outliers(std::vector<glm::dvec3> points) {
+    BoxD box = BoxD::empty();
+    glm::dvec3 lower(0), upper(0);
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto at = [&](std::size_t i) {
+            const auto place = points.begin() + static_cast<std::ptrdiff_t>(i);
+            std::nth_element(points.begin(), place, points.end(),
+                             [&](const glm::dvec3& p, const glm::dvec3& q) { return p[axis] < q[axis]; });
+            return (*place)[axis];
+        };
+        lower[axis] = at((points.size() - 1) / 100);
+        upper[axis] = at(points.size() - 1 - (points.size() - 1) / 100);
+    }
+    box.add(lower);
+    box.add(upper);
+    return box;
+}
+
 /// Grays from the least to the greatest of the range that the numbers are in: 0 to 1, 0 to 255, Leica's -2048 to 2047,
 /// or else their own.
 std::vector<Rgba8> grays(std::span<const float> intensities) {
@@ -273,14 +293,11 @@ void set_from_neighbors(std::span<Point> points, std::span<const Unknown> unknow
 }
 
 Loaded drawn(Cloud cloud) {
-    BoxD box = BoxD::empty();
-    std::size_t seen = 0;
+    std::vector<glm::dvec3> places;
     for (const glm::dvec3& position : cloud.positions) {
-        if (!is_finite(position)) continue;
-        box.add(position);
-        ++seen;
+        if (is_finite(position)) places.push_back(position);
     }
-    const std::size_t unseen = cloud.positions.size() - seen;
+    const std::size_t seen = places.size(), unseen = cloud.positions.size() - seen;
     if (seen == 0) {
         throw std::runtime_error(unseen == 0 ? "has no points" : "has no points whose coordinates are finite");
     }
@@ -290,8 +307,10 @@ Loaded drawn(Cloud cloud) {
     if (unseen > 0) {
         loaded.notes.push_back(std::to_string(unseen) + " points without finite coordinates are left out");
     }
-    loaded.origin = origin_of(box);
+    BoxD box = BoxD::empty();
+    for (const glm::dvec3& place : places) box.add(place);
     check_size(box);
+    loaded.origin = origin_of(without_outliers(std::move(places)));
     if (cloud.colors.empty()) cloud.colors = grays(cloud.intensities);
     std::vector<Point> points;
     points.reserve(seen);
