@@ -27,6 +27,7 @@
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/primitive/instance.hpp"
+#include "farfield/primitive/point.hpp"
 #include "farfield/primitive/triangle.hpp"
 #include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/renderer/hierarchical_z_renderer.hpp"
