@@ -50,5 +50,6 @@ Recipe sample_tree();
 Recipe sample_tree_splats();
 Recipe bsp();
 Recipe octree_of_bsps();
+Recipe gap_bsp();
 
 }  // namespace walkthrough

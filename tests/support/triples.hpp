@@ -11,6 +11,7 @@
 #include "farfield/approximation/sample_set.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/partition/gap_bsp.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
@@ -19,7 +20,8 @@
 namespace farfield::test {
 
 using OctreeOfBsps = Nested<Octree, PolygonBsp>;
-using Partitions = std::tuple<Named<Octree>, Named<SharedOctree>, Named<PolygonBsp>, Named<OctreeOfBsps>>;
+using Partitions =
+    std::tuple<Named<Octree>, Named<SharedOctree>, Named<PolygonBsp>, Named<OctreeOfBsps>, Named<GapBsp>>;
 using Approximations =
     std::tuple<Named<Exact>, Named<ColorCube>, Named<ColorCubeCluster<2>>, Named<ColorCubeCluster<4>>,
                Named<OpacityTensor>, Named<SampleSet<AreaSplat>>, Named<SampleSet<OpacityTensor>>>;
@@ -39,7 +41,7 @@ using HierarchiesWith = decltype(hierarchies_of(
 /// Of every triple.
 using Hierarchies = decltype(hierarchies_of(
     variants_of(std::declval<Partitions>(), std::declval<Approximations>(), std::declval<CostModels>())));
-static_assert(std::tuple_size_v<Hierarchies> == 22 * std::tuple_size_v<CostModels>,
+static_assert(std::tuple_size_v<Hierarchies> == (5 * 5 + 2 * 2) * std::tuple_size_v<CostModels>,
               "all of today's policies compose, but that sample sets want every item in one cell, whole");
 
 }  // namespace farfield::test
