@@ -238,10 +238,13 @@ void sheets() {
 }
 
 /// Cells where a frame stops in which some polygon is seen and none of these is drawn: the paper's wrong parts of an
-/// image. Seen is what an exact picture of four times the size in each direction shows.
+/// image. Seen is what an exact picture shows that the object fills.
 void wrong_cells() {
     const Triangles o = object();
     using H = Over<Splats>;
+    Box box_of_all = Box::empty();
+    for (const auto& t : o) box_of_all.add(t.bounds());
+    const glm::dvec3 o_center(box_of_all.center());
     std::vector<Triangle> ids(o.size());
     for (std::size_t i = 0; i < o.size(); ++i) {
         const auto id = std::uint32_t(i + 1);
@@ -256,9 +259,11 @@ void wrong_cells() {
         std::size_t cells = 0, wrong = 0, well_filled = 0, well_filled_wrong = 0;
         double seen_pixels = 0, wrong_pixels = 0;
         for (const View& view : views_around(o, distance, 1)) {
+            // The same eye, and the object as large as the picture, so that polygons are larger than pixels.
             View fine = view;
-            fine.width *= 4;
-            fine.height *= 4;
+            fine.camera = Camera::perspective(view.camera.eye, o_center, {0, 1, 0},
+                                              2 * std::atan(std::tan(fov / 2) / float(distance)) * 1.1f);
+            fine.width = fine.height = 1536;
             fine.tolerance_px = 0;
             viewer.frame(fine);
             std::vector<std::uint32_t> pixels_of(ids.size(), 0);
@@ -278,7 +283,7 @@ void wrong_cells() {
                 }
                 std::fill(is_drawn.begin() + first, is_drawn.begin() + end, char(1));
             });
-            const LocalView local = selection.views().front();
+            const LocalView fine_view(fine, h.origin(), h.bounds());
             for (const Subtree& stop : stops) {
                 std::uint32_t seen = 0, seen_and_drawn = 0;
                 const auto look_at = [&](std::uint32_t at) {
@@ -300,7 +305,7 @@ void wrong_cells() {
                 }
                 ++cells;
                 seen_pixels += seen;
-                const float side = 4 * local.pixels(stop.cell.largest_side(), local.distance_to(stop.cell));
+                const float side = fine_view.pixels(stop.cell.largest_side(), fine_view.distance_to(stop.cell));
                 const bool fills_half = float(seen) >= 0.5f * side * side;
                 well_filled += fills_half;
                 if (seen_and_drawn != 0) continue;

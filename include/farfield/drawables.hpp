@@ -90,8 +90,8 @@ struct Splat {
     Rgba8 rgb;       ///< of what covers, not premultiplied; alpha holds the area law's class
 };
 
-/// The first `count` of the primitives in a cell's subtree, own ones first, or as many as there are: what a stand-in may
-/// be made of where cells hold samples of their contents.
+/// The first `count` of the primitives in a cell's subtree, own ones first, or as many as there are: what a stand-in
+/// may be made of where cells hold samples of their contents.
 struct OwnRun {
     std::uint32_t count = 0;
 };
