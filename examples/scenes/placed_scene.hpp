@@ -120,6 +120,7 @@ class PlacedScene final : public BuiltScene {
     static constexpr std::string_view obstacle_for() {
         if (Hierarchy::ordering < Renderer::facts.needs_ordering) return "needs primitives in strict order";
         if (Approximation::facts.stands_in && !Renderer::facts.draws_faces) return "does not draw stand-ins";
+        if (Approximation::facts.caches_images && !Renderer::facts.keeps_images) return "keeps no images";
         return {};
     }
 
