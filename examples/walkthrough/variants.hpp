@@ -48,5 +48,7 @@ Recipe color_cube_shared();
 Recipe opacity_tensor();
 Recipe bsp();
 Recipe octree_of_bsps();
+Recipe image_cache();
+Recipe image_cache_lod();
 
 }  // namespace walkthrough

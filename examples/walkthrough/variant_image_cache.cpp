@@ -1,0 +1,14 @@
+#include "farfield/approximation/image_cache.hpp"
+#include "farfield/approximation/exact.hpp"
+#include "farfield/cost_model/measured_time.hpp"
+#include "farfield/partition/octree.hpp"
+#include "recipe.hpp"
+
+namespace walkthrough {
+
+Recipe image_cache() {
+    using namespace farfield;
+    return recipe<SpatialHierarchy<Octree, ImageCache<Exact>, MeasuredTime>>();
+}
+
+}  // namespace walkthrough
