@@ -41,13 +41,13 @@ struct Built {
     std::vector<scenes::Object<H>> objects;
     H hierarchy;
 
-    Built(const scenes::Scene& scene, const typename H::approximation_type& approximation) {
+    Built(const scenes::Scene& scene, const typename H::approximation_type& approximation, const MeasuredTime& cost = {}) {
         for (std::size_t g = 0; g + 1 < scene.groups.size(); ++g) trees.push_back(scene.groups[g].triangles);
-        for (auto& tree : trees) kinds.push_back(build_in_place<H>(tree, {.approximation = approximation}));
+        for (auto& tree : trees) kinds.push_back(build_in_place<H>(tree, {.approximation = approximation, .cost_model = cost}));
         for (const auto& t : scene.groups.back().triangles) objects.push_back({t});
         for (const auto& p : scene.groups.back().placements)
             objects.push_back({Instance<H, VertexColoredTriangle>{&kinds[p.group], trees[p.group], Similarity(p.to_parent)}});
-        hierarchy = build_in_place<H>(objects, {.approximation = approximation});
+        hierarchy = build_in_place<H>(objects, {.approximation = approximation, .cost_model = cost});
     }
 };
 
@@ -112,7 +112,15 @@ int main(int argc, char** argv) {
     if (argc > 4) o.of_instances_only = std::atoi(argv[4]) != 0;
     if (argc > 5) o.samples = std::atoi(argv[5]);
     if (argc > 6) o.threshold_px = float(std::atof(argv[6]));
-    const bool lod = argc > 7 && std::atoi(argv[7]) != 0;
+    const auto env = [](const char* n, double d) { return std::getenv(n) ? std::atof(std::getenv(n)) : d; };
+    o.least_items = std::uint32_t(env("LEAST", 1024));
+    o.budget_bytes = std::uint64_t(env("BUDGET", 256e6));
+    o.most_overhead = float(env("OVERHEAD", 0.25));
+    o.is_conservative = env("CONSERVATIVE", 0) != 0;
+    MeasuredTime cost;
+    cost.texel = float(env("TEXEL", 2)); cost.image = float(env("IMAGE", 1000)); cost.small_triangle = float(env("SMALL", 3)); cost.near_triangle = float(env("NEAR", 60));
+    const bool still = env("STILL", 0) != 0;
+    const int first_frame = std::getenv("FIRST") ? std::atoi(std::getenv("FIRST")) : 0, count = std::getenv("COUNT") ? std::atoi(std::getenv("COUNT")) : frames;
     const scenes::Scene scene = scenes::island(scenes::shade_island);
     const float side = 300.0f * std::sqrt(1117.0f / 480.0f);
     const auto views = walk(scene, frames, side);
@@ -125,7 +133,7 @@ int main(int argc, char** argv) {
         approximation.image_options = o;
         const Built<HE> exact(scene, {});
         const Built<HI> plain(scene, {});
-        const Built<HC> cached(scene, approximation);
+        const Built<HC> cached(scene, approximation, cost);
         const ZBufferOptions zo{.background = {135, 180, 220, 255}};
         ZBufferRenderer re(zo), ri(zo), rc(zo);
         auto ve = make_viewer(exact.hierarchy, exact.objects, re);
@@ -134,13 +142,13 @@ int main(int argc, char** argv) {
         std::vector<double> te, ti, tc, err;
         double images = 0, made = 0;
         std::uint64_t peak = 0;
-        ve.frame(views[0]); vi.frame(views[0]);
-        for (int f = 0; f < frames; ++f) {
+        ve.frame(views[std::size_t(first_frame)]); vi.frame(views[std::size_t(first_frame)]);
+        for (int f = first_frame; f < std::min(frames, first_frame + count); ++f) {
             double t = now_ms();
-            if (f % every == 0) { ve.frame(views[std::size_t(f)]); te.push_back(now_ms() - t); }
-            if (f % every == 0) { t = now_ms(); vi.frame(views[std::size_t(f)]); ti.push_back(now_ms() - t); }
+            if (f % every == 0) { ve.frame(views[std::size_t(still ? first_frame : f)]); te.push_back(now_ms() - t); }
+            if (f % every == 0) { t = now_ms(); vi.frame(views[std::size_t(still ? first_frame : f)]); ti.push_back(now_ms() - t); }
             t = now_ms();
-            const FrameStats s = vc.frame(views[std::size_t(f)]);
+            const FrameStats s = vc.frame(views[std::size_t(still ? first_frame : f)]);
             tc.push_back(now_ms() - t);
             images += double(s.images); made += double(s.images_made); peak = std::max(peak, s.image_bytes);
             if (f % every == 0) {
@@ -156,7 +164,11 @@ int main(int argc, char** argv) {
         const double first = tc[0];
         auto sorted = tc; sorted.erase(sorted.begin()); std::sort(sorted.begin(), sorted.end());
         const double median = sorted[sorted.size() / 2];
-        std::printf("exact %.2f inner %.2f cache %.2f ms: speedup %.2f over inner %.2f | first/exact %.2f p99/median %.2f max/median %.2f | images %.0f made %.2f peak %.1f MB rmse %.2f\n", mean(te), mean(ti), mean(tc), mean(te) / mean(tc), mean(ti) / mean(tc), first / te[0], sorted[sorted.size() * 99 / 100] / median, sorted.back() / median, images / frames, made / frames, double(peak) / 1e6, mean(err));
+        std::printf("exact %.2f inner %.2f cache %.2f ms: speedup %.2f over inner %.2f | first/exact %.2f p99/median %.2f max/median %.2f | images %.0f made %.2f peak %.1f MB rmse %.2f\n", mean(te), mean(ti), mean(tc), mean(te) / mean(tc), mean(ti) / mean(tc), first / te[0], sorted[sorted.size() * 99 / 100] / median, sorted.back() / median, images / double(tc.size()), made / double(tc.size()), double(peak) / 1e6, mean(err));
     };
-    if (lod) run(OpacityTensor{}); else run(Exact{});
+#ifdef LOD
+    run(OpacityTensor{});
+#else
+    run(Exact{});
+#endif
 }

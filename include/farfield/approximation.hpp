@@ -188,7 +188,7 @@ struct ImageCacheOptions {
     /// Images of what instances hold, and of nothing else: a surface beside them, as terrain is, has no cracks.
     bool of_instances_only = false;
     /// Subtrees of fewer items get no image of their own; those that hold instances may.
-    std::uint32_t least_items = 256;
+    std::uint32_t least_items = 1024;
     std::uint64_t budget_bytes = std::uint64_t(64) << 20;  ///< of all images of one viewer; never exceeded
     std::uint32_t most_made = 4096;                        ///< images a frame; other cells are drawn as they are
     /// The work of making images may exceed that of drawing what they show, in a frame, by this part of the frame's

@@ -69,7 +69,7 @@ struct WantedImage {
     LocalView view;
     Subtree subtree;
     ImageRect rect;
-    float contents_price = 0;  ///< of drawing what the picture shows of it
+    float contents_price = 0;  ///< of drawing what the picture shows of it, by images below that are kept
     float making_price = 0;    ///< of drawing all of it
     void (*draw)(Maker&, const WantedImage&, const LocalView& image_view) = nullptr;
 };
@@ -85,7 +85,7 @@ class ImageChooser {
         : kept_(kept), options_(options), path_(path), wanted_(wanted) {}
 
     /// What drawing the frame costs without making images, in the unit of the cost model.
-    float price() const { return float(price_); }
+    float price() const { return float(present_price_); }
 
     void enter(const auto&) {}
     void leave(const auto&) {}
@@ -127,11 +127,12 @@ class ImageChooser {
             cell.drawn_frame = kept_.frame();
             const float drawing = price_of_drawing(v, *image);
             price_ += drawing;
+            present_price_ += drawing;
             whole_price_ += std::max(image->making_cost, drawing);
             ++images_;
             return CellDrawn::by_image;
         }
-        open_.push_back({index, price_, whole_price_, images_, wanted_.size()});
+        open_.push_back({index, price_, present_price_, whole_price_, images_, wanted_.size()});
         return CellDrawn::in_parts;
     }
 
@@ -140,8 +141,7 @@ class ImageChooser {
         const Open open = open_.back();
         open_.pop_back();
         KeptCell& cell = kept_.cell(open.cell);
-        const auto contents = float(price_ - open.price), whole = float(whole_price_ - open.whole_price);
-        if (!chooses(v, subtree, open, contents, whole)) {
+        if (!chooses(v, subtree, open)) {
             if (images_ != open.images) cell.parts_frame = kept_.frame();
             return;
         }
@@ -151,12 +151,13 @@ class ImageChooser {
   private:
     struct Open {
         std::uint32_t cell;
-        double price, whole_price;
+        double price, present_price, whole_price;
         std::size_t images, wanted;
     };
 
     void add(float price) {
         price_ += price;
+        present_price_ += price;
         whole_price_ += price;
     }
 
@@ -171,14 +172,16 @@ class ImageChooser {
 
     /// "amortizedCost < cost to draw contents" (UpdateNode). If so the cell is wanted, and nothing below it.
     template <class V>
-    bool chooses(const V& v, const Subtree& subtree, const Open& open, float contents, float whole) {
+    bool chooses(const V& v, const Subtree& subtree, const Open& open) {
+        const auto contents = float(price_ - open.price), whole = float(whole_price_ - open.whole_price);
         const Cell& cell = subtree.cell;
         const LocalView& view = v.view;
         if (view.is_perspective && cell.bounds().contains(view.eye)) return false;
         if (kept_.cell(open.cell).refused_frame + 64 > kept_.frame() && kept_.cell(open.cell).refused_frame != 0)
             return false;
-        const float drawing_least = v.hierarchy.cost_policy().cost({.images = float(options_.slices)});
-        if (!(contents > drawing_least)) return false;
+        // To find out how long an image lives costs as much as to draw some.
+        constexpr float deciding = 32;
+        if (!(contents > deciding * v.hierarchy.cost_policy().cost({.images = float(options_.slices)}))) return false;
         const std::optional<ImageRect> rect = image_rect(view, cell.bounds_center, cell.bounds_half);
         // "If the dimensions of the rectangle exceed those of the viewport, no image is cached."
         if (!rect || rect->width > view.part.whole_width || rect->height > view.part.whole_height) return false;
@@ -204,7 +207,7 @@ class ImageChooser {
                            .view = view,
                            .subtree = subtree,
                            .rect = *rect,
-                           .contents_price = contents,
+                           .contents_price = float(present_price_ - open.present_price),
                            .making_price = making,
                            .draw = &draw_wanted<V>});
         return true;
@@ -234,8 +237,9 @@ class ImageChooser {
     const ExpectedPath& path_;
     std::vector<WantedImage<Maker>>& wanted_;
     std::vector<Open> open_;  ///< cells begun and not ended
-    double price_ = 0;        ///< of what has been priced so far
-    double whole_price_ = 0;  ///< the same with contents in place of images that are kept
+    /// Of what has been priced so far: with the images that are wanted, their making spread over their lives; as it
+    /// would be drawn if none were made; and without any images.
+    double price_ = 0, present_price_ = 0, whole_price_ = 0;
     std::size_t images_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -55,7 +56,7 @@ class DrawWithImages : public DrawNow<R> {
     template <class V>
     CellDrawn begin_cell(const V& v, const Subtree& subtree) {
         const KeptCell* cell = kept_.find({v.path, subtree.node});
-        if (cell == nullptr) return is_in_image_ ? CellDrawn::in_parts : CellDrawn::as_contents;
+        if (cell == nullptr) return CellDrawn::as_contents;  // cells above those with images are known
         const CellImage* image = kept_.image_of(*cell);
         if (image != nullptr && (is_in_image_ ? may_be_in_image(v, *image) : is_drawn(v, *cell, *image))) {
             queue_.flush(v.source);
@@ -64,8 +65,7 @@ class DrawWithImages : public DrawNow<R> {
             ++images_;
             return CellDrawn::by_image;
         }
-        const bool has_parts = is_in_image_ || cell->parts_frame == kept_.frame() ||
-                               cell->hidden_frame + 1 == kept_.frame();
+        const bool has_parts = cell->parts_frame == kept_.frame() || cell->hidden_frame + 1 == kept_.frame();
         return has_parts ? CellDrawn::in_parts : CellDrawn::as_contents;
     }
     void end_cell(const auto&, const Subtree&) {}
