@@ -11,7 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "farfield/banded_viewer.hpp"
 #include "farfield/build.hpp"
+#include "farfield/executor.hpp"
 #include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/renderer/hierarchical_z_renderer.hpp"
 #include "farfield/renderer/painter_renderer.hpp"
@@ -116,6 +118,48 @@ class PlacedScene final : public BuiltScene {
         Selection<Hierarchy, P> selection_;
     };
 
+    /// One picture on several threads. A viewer of all of it is made for those that ask what is drawn how.
+    template <class P, class Renderer>
+    class BandedFrames final : public SceneViewer {
+      public:
+        BandedFrames(const Hierarchy& hierarchy, const std::vector<P>& primitives, const RendererChoice& choice)
+            : hierarchy_(hierarchy),
+              primitives_(primitives),
+              choice_(choice),
+              executor_(choice.threads),
+              viewer_(hierarchy, std::span<const P>(primitives), bands_a_thread * choice.threads, [&](std::size_t) {
+                  return RendererLike<Renderer>(
+                      make_renderer(choice, Renderer::facts.needs_ordering == OrderGuarantee::primitives));
+              }) {}
+        FrameStats frame(const View& view) override {
+            const FrameStats stats = viewer_.frame(view, executor_);
+            work_ = {};
+            for (std::size_t i = 0; i < viewer_.drawn_bands(); ++i) {
+                if (const CoverageWork* work = viewer_.renderer(i).any().work()) work_ += *work;
+            }
+            return stats;
+        }
+        Image how_drawn(const View& view) override {
+            if (!whole_) whole_ = std::make_unique<Frames<P, Renderer>>(hierarchy_, primitives_, choice_);
+            return whole_->how_drawn(view);
+        }
+        const Image& image() const override { return viewer_.image(); }
+        const CoverageWork* work() const override {
+            return viewer_.renderer(0).any().work() != nullptr ? &work_ : nullptr;
+        }
+
+      private:
+        static constexpr std::size_t bands_a_thread = 4;
+
+        const Hierarchy& hierarchy_;
+        const std::vector<P>& primitives_;
+        RendererChoice choice_;
+        ThreadExecutor executor_;
+        BandedViewer<Hierarchy, P, RendererLike<Renderer>> viewer_;
+        CoverageWork work_;
+        std::unique_ptr<Frames<P, Renderer>> whole_;
+    };
+
     template <class Renderer>
     static constexpr std::string_view obstacle_for() {
         if (Hierarchy::ordering < Renderer::facts.needs_ordering) return "needs primitives in strict order";
@@ -128,14 +172,25 @@ class PlacedScene final : public BuiltScene {
     std::unique_ptr<SceneViewer> frames(const RendererChoice& choice) const {
         if constexpr (DrawableWith<Hierarchy, Triangle, Renderer>) {
             const Group& root = groups_.back();
-            if (root.objects.empty()) {
-                return std::make_unique<Frames<Triangle, Renderer>>(root.hierarchy, root.triangles, choice);
-            }
-            return std::make_unique<Frames<Object<Hierarchy>, Renderer>>(root.hierarchy, root.objects, choice);
+            if (root.objects.empty()) return frames_of<Renderer>(root.hierarchy, root.triangles, choice);
+            return frames_of<Renderer>(root.hierarchy, root.objects, choice);
         } else {
             throw std::invalid_argument("the renderer " + std::string(name_of(choice.kind)) + " " +
                                         std::string(obstacle_for<Renderer>()));
         }
+    }
+
+    template <class Renderer, class P>
+    static std::unique_ptr<SceneViewer> frames_of(const Hierarchy& hierarchy, const std::vector<P>& primitives,
+                                                  const RendererChoice& choice) {
+        if (choice.threads > 1) {
+            if constexpr (caches_images<Hierarchy>) {
+                throw std::invalid_argument("images are kept by one viewer on one thread: take --threads 1");
+            } else {
+                return std::make_unique<BandedFrames<P, Renderer>>(hierarchy, primitives, choice);
+            }
+        }
+        return std::make_unique<Frames<P, Renderer>>(hierarchy, primitives, choice);
     }
 
     std::vector<Object<Hierarchy>> objects_of(const scenes::Group& group) const {

@@ -76,7 +76,11 @@ void write_json(const std::filesystem::path& file, const Setting& setting, const
                 {"primitives", primitives},
                 {"triangles", farfield::scenes::triangle_count(setting.scene)},
                 {"bytes", farfield::scenes::bytes(setting.scene)}}},
-              {"image", {{"width", options.width}, {"height", options.height}, {"frames", options.frames}}},
+              {"image",
+               {{"width", options.width},
+                {"height", options.height},
+                {"frames", options.frames},
+                {"threads", options.threads}}},
               {"variants", Json::array()}};
     for (const Result& r : results) json["variants"].push_back(json_of(r, options));
     std::ofstream out(file);

@@ -134,6 +134,9 @@ void check_numbers(const Options& options) {
     if (options.renderer == RendererKind::coverage && options.samples != 1 && options.samples != 64) {
         throw UsageError("--samples must be 1 or 64 with --renderer coverage, not " + std::to_string(options.samples));
     }
+    if (options.threads < 1 || options.threads > 256) {
+        throw UsageError("--threads must be from 1 to 256, not " + std::to_string(options.threads));
+    }
     if (options.frames < 1 || options.frames > 1'000'000) throw UsageError("--frames must be from 1 to 1000000");
     if (options.distance && !(*options.distance > 0 && *options.distance <= 1e6)) {
         throw UsageError("--distance must be above 0 and at most 1000000 radii");
@@ -162,6 +165,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     app.add_option("--samples", options.samples,
                    "samples a pixel of what is timed: a square up to 64, of coverage 1 or 64")
         ->type_name("N");
+    app.add_option("--threads", options.threads, "that draw a frame, in bands of its rows (default 1)")->type_name("N");
     app.add_option("--size", size, "of the images in pixels (default 640x360)")->type_name("WxH");
     app.add_option("--frames", options.frames, "how many (default 48 on a flight, 21 from one place)")->type_name("N");
     const auto* const distance_option =

@@ -23,6 +23,7 @@ struct Options {
     /// Of the frames that are timed. It draws all variants but exact, which the z-buffer draws where it cannot.
     farfield::scenes::RendererKind renderer = farfield::scenes::RendererKind::z_buffer;
     int samples = 1;                 ///< a pixel, of the frames that are timed
+    int threads = 1;                 ///< that draw a frame, exact's too
     int width = 640, height = 360;   ///< pixels
     int frames = 0;                  ///< above 0
     std::optional<double> distance;  ///< from the scene's center, in its radii; none: fly through

@@ -60,8 +60,11 @@ class Run {
 
   private:
     RendererChoice renderer(RendererKind kind, int samples, bool maps_work = false) const {
-        return {
-            .kind = kind, .samples = samples, .culls_back_faces = setting_.culls_back_faces, .maps_work = maps_work};
+        return {.kind = kind,
+                .samples = samples,
+                .culls_back_faces = setting_.culls_back_faces,
+                .maps_work = maps_work,
+                .threads = maps_work ? 1 : unsigned(options_.threads)};
     }
 
     /// Throws UsageError where what was built turns out not to be in the order that the renderer needs.

@@ -132,7 +132,9 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
     if (!options.error) out << ", " << options.tolerance_px << " px tolerance";
     out << "\n\n";
     print(out, rows);
-    out << "\nTimes are medians on one thread; exact is drawn right before each frame of a variant"
+    out << "\nTimes are medians on "
+        << (options.threads == 1 ? "one thread" : std::to_string(options.threads) + " threads")
+        << "; exact is drawn right before each frame of a variant"
         << (results.front().frame_ms.size() < std::size_t(options.frames)
                 ? ", but as it is\nslow, only the frames that are compared, once"
                 : "")

@@ -40,6 +40,10 @@ concept HasImage = requires(const R& r) {
 /// differs in work. Where renderers share sources (RendererFacts), all bands together keep one copy of the primitives.
 template <class H, class P, class R>
 class BandedViewer {
+    static_assert(!caches_images<H>,
+                  "farfield: each band would keep images of its own, made at other times than those of its neighbors: a "
+                  "hierarchy that caches images needs a Viewer");
+
   public:
     /// make(band) returns a renderer; all must be made alike. Throws std::invalid_argument for no bands, and what
     /// Viewer throws.
@@ -68,10 +72,10 @@ class BandedViewer {
         if constexpr (HasImage<R>) {
             if (image_.width() != view.width || image_.height() != view.height) image_ = Image(view.width, view.height);
         }
-        const std::size_t count = place_bands(view.height);
-        executor(count, [&](std::size_t i) { draw(bands_[i], view); });
+        drawn_bands_ = place_bands(view.height);
+        executor(drawn_bands_, [&](std::size_t i) { draw(bands_[i], view); });
         FrameStats sum;
-        for (std::size_t i = 0; i < count; ++i) sum += bands_[i].stats;
+        for (std::size_t i = 0; i < drawn_bands_; ++i) sum += bands_[i].stats;
         return sum;
     }
 
@@ -79,7 +83,9 @@ class BandedViewer {
     const Image& image() const requires HasImage<R> { return image_; }
 
     std::size_t bands() const { return bands_.size(); }
-    /// A band's renderer, for what else it knows. Bands below the last row were not drawn.
+    /// How many bands had rows in the last frame: the first ones.
+    std::size_t drawn_bands() const { return drawn_bands_; }
+    /// A band's renderer, for what else it knows.
     const R& renderer(std::size_t band) const { return *bands_[band].renderer; }
 
   private:
@@ -126,6 +132,7 @@ class BandedViewer {
     }
 
     std::vector<Band> bands_;
+    std::size_t drawn_bands_ = 0;
     Image image_;
 };
 

@@ -37,6 +37,7 @@
 #include "farfield/tuning/advise.hpp"
 #include "farfield/tuning/calibrate.hpp"
 #include "farfield/tuning/error_table.hpp"
+#include "farfield/tuning/error_table_file.hpp"
 #include "farfield/tuning/measure_error_table.hpp"
 #include "farfield/tuning/variants.hpp"
 #include "farfield/version.hpp"

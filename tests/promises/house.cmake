@@ -40,6 +40,7 @@ may_include(build.hpp build sampler ${hierarchy}) # the sampler that a build tak
 may_include(storage ${hierarchy})
 may_include(frame ${hierarchy})
 may_include(viewer.hpp ${frame})
+may_include(banded_viewer.hpp viewer.hpp ${frame}) # bands are pictures of viewers
 may_include(merged_viewer ${frame})
 may_include(merged_viewer.hpp merged_viewer primitive ${frame}) # bodies are instances
 may_include(tuning everything)

@@ -44,6 +44,9 @@ class AnyRenderer {
     virtual ~AnyRenderer() = default;
 
     virtual std::uint32_t upload(const AnySource& source) = 0;
+    /// Uploads what another, made by make_renderer for the same choice, has as `id`, without a copy. Never called of
+    /// those whose facts do not say so.
+    virtual std::uint32_t share(const AnyRenderer& other, std::uint32_t id) = 0;
     virtual void release(std::uint32_t id) = 0;
     virtual void begin_frame(const LocalView& view) = 0;
     virtual void set_view(const LocalView& view) = 0;
@@ -80,21 +83,28 @@ class RendererLike {
     static constexpr RendererFacts facts = [] {
         RendererFacts f = Like::facts;
         f.keeps_sources = true;
-        f.shares_sources = false;  // each viewer has its own
         f.tells_lifetime = false;  // it lives here
         f.tells_light = false;     // scenes have their light baked in, and are drawn without one
         f.draws_polygons = false;  // they come of MergedViewer only, which no scene is drawn by here
         return f;
     }();
 
+    /// Pixels beyond its own that a pixel gets samples from.
+    static constexpr int reach_px = [] {
+        if constexpr (requires { Like::reach_px; }) return int(Like::reach_px);
+        return 0;
+    }();
+
     explicit RendererLike(std::unique_ptr<AnyRenderer> renderer) : renderer_(std::move(renderer)) {}
 
     const AnyRenderer& any() const { return *renderer_; }
+    const Image& image() const { return renderer_->image(); }
 
     template <PrimitiveWithPolygons P>
     std::uint32_t upload(const Source<P>& source) {
         return renderer_->upload(AnySource(source));
     }
+    std::uint32_t share(const RendererLike& other, std::uint32_t id) { return renderer_->share(*other.renderer_, id); }
     void release(std::uint32_t id) { renderer_->release(id); }
     void begin_frame(const LocalView& view) { renderer_->begin_frame(view); }
     void set_view(const LocalView& view) { renderer_->set_view(view); }

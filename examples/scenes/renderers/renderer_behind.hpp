@@ -35,6 +35,12 @@ class RendererBehind final : public AnyRenderer {
         for (std::uint32_t i = 0; i < source.item_count(); ++i) items.push_back({&source, i});
         return renderer_.upload(Source<AnyItem>{items, {}, source.item_count()});
     }
+    std::uint32_t share([[maybe_unused]] const AnyRenderer& other, [[maybe_unused]] std::uint32_t id) override {
+        if constexpr (R::facts.shares_sources) {
+            return renderer_.share(static_cast<const RendererBehind&>(other).renderer_, id);
+        }
+        return id;
+    }
     void release(std::uint32_t id) override { renderer_.release(id); }
     void begin_frame(const LocalView& view) override { renderer_.begin_frame(view); }
     void set_view(const LocalView& view) override { renderer_.set_view(view); }

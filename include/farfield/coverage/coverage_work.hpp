@@ -22,6 +22,14 @@ struct CoverageWork {
     std::uint64_t cells_asked = 0;       ///< visited to find whether a box is hidden
     std::uint64_t masks_z_buffered = 0;  ///< because polygons did not come front to back
 
+    CoverageWork& operator+=(const CoverageWork& other) {
+        polygons_tiled += other.polygons_tiled;
+        cells_tiled += other.cells_tiled;
+        cells_asked += other.cells_asked;
+        masks_z_buffered += other.masks_z_buffered;
+        return *this;
+    }
+
     void begin(const CoveragePyramid&) { *this = {}; }
     void tiles(int, int, int) { ++cells_tiled; }
     void asks(int, int, int) { ++cells_asked; }

@@ -11,6 +11,7 @@
 
 #include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/visit_order.hpp"
+#include "farfield/simd.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/view/frustum.hpp"
 #include "farfield/view/local_view.hpp"
@@ -50,8 +51,8 @@ inline constexpr auto bits_set = [] {
 /// The subtree below one of the children that a node has: `node` is the parent's, `node_data` what the partition keeps
 /// of it.
 template <class H>
-Subtree child_of(const H& hierarchy, const Subtree& parent, const Node& node, const typename H::node_data& node_data,
-                 unsigned child) {
+FARFIELD_INLINE Subtree child_of(const H& hierarchy, const Subtree& parent, const Node& node,
+                                 const typename H::node_data& node_data, unsigned child) {
     const unsigned below = (1u << child) - 1;
     const unsigned rank = bits_set[node.child_mask & below];
     const std::uint32_t at = node.first_child + rank;

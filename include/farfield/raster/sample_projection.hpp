@@ -94,7 +94,7 @@ struct SampleProjection {
         depth_bias = is_perspective ? view.anchor_depth : 1.0f;
         near_depth = view.near_depth - view.anchor_depth;
         far_depth = view.far_depth - view.anchor_depth;
-        reach = snapping + view.reach_px() * float(samples_a_side);
+        reach = snapping + view.reach_px * float(samples_a_side);
         const float world_units = view.scale / view.depth_unit;
         if (!is_perspective) {
             q_of_inverse = 0;
@@ -128,8 +128,9 @@ struct SampleProjection {
     static void place(int samples_a_side, int whole_px, double off_center, int first_px, int count_px, int& first,
                       float& offset) {
         const double whole = double(whole_px) * samples_a_side, shift = off_center * whole / 2;
-        const double most = double(guard_band) - 1, steps = std::round(shift);
-        const double begin = steps - std::floor(whole / 2) + double(first_px) * samples_a_side;
+        const double most = double(guard_band) - 1, steps = shift == 0 ? 0 : std::round(shift);
+        const int whole_samples = whole_px * samples_a_side;
+        const double begin = steps - whole_samples / 2 + double(first_px) * samples_a_side;
         if ((shift != 0 || first_px != 0 || count_px != whole_px) &&
             !(begin >= -most && begin + double(count_px) * samples_a_side <= most)) {
             detail::fail<std::invalid_argument>(
@@ -137,7 +138,7 @@ struct SampleProjection {
                 "fewer samples, or turn the camera");
         }
         first = int(begin);
-        offset = std::fmod(whole, 2.0) == 0 ? 0.0f : 128.0f;
+        offset = whole_samples % 2 == 0 ? 0.0f : 128.0f;
         if (shift != 0) offset += float(256 * (steps - shift));
     }
 };

@@ -20,6 +20,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -65,20 +66,25 @@ class ErrorTable {
     /// std::invalid_argument unless tolerances ascend from 0, and errors and costs are 0 or more and finite.
     explicit ErrorTable(std::vector<ToleranceTrial> trials, double least_saving = 0.05)
         : trials_(std::move(trials)), least_saving_(least_saving) {
-        bool good = !trials_.empty() && trials_.front().tolerance_px == 0 && least_saving >= 0 && least_saving < 1;
-        for (std::size_t i = 0; good && i < trials_.size(); ++i) {
-            const ToleranceTrial& t = trials_[i];
+        if (const char* const why = obstacle(trials_, least_saving)) {
+            detail::fail<std::invalid_argument>(std::string("farfield::ErrorTable: ") + why);
+        }
+    }
+    /// What keeps such numbers from being a table; null if nothing does.
+    static const char* obstacle(std::span<const ToleranceTrial> trials, double least_saving) {
+        bool good = !trials.empty() && trials.front().tolerance_px == 0 && least_saving >= 0 && least_saving < 1;
+        for (std::size_t i = 0; good && i < trials.size(); ++i) {
+            const ToleranceTrial& t = trials[i];
             good = std::isfinite(t.tolerance_px) && t.rmse >= 0 && std::isfinite(t.rmse) && t.cost >= 0 &&
-                   std::isfinite(t.cost) && (i == 0 || t.tolerance_px > trials_[i - 1].tolerance_px);
+                   std::isfinite(t.cost) && (i == 0 || t.tolerance_px > trials[i - 1].tolerance_px);
         }
-        if (!good) {
-            detail::fail<std::invalid_argument>(
-                "farfield::ErrorTable: tolerances must ascend from 0, errors and costs be 0 or more, and the least "
-                "saving from 0 to below 1, all finite");
-        }
+        return good ? nullptr
+                    : "tolerances must ascend from 0, errors and costs be 0 or more, and the least saving from 0 to "
+                      "below 1, all finite";
     }
 
     std::span<const ToleranceTrial> trials() const { return trials_; }
+    double least_saving() const { return least_saving_; }
     /// What point sampling errs by.
     double exact_rmse() const { return trials_.front().rmse; }
 

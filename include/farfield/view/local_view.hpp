@@ -20,6 +20,7 @@
 #include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/length.hpp"
 #include "farfield/geometry/similarity.hpp"
+#include "farfield/simd.hpp"
 #include "farfield/view.hpp"
 #include "farfield/view/frustum.hpp"
 
@@ -49,9 +50,9 @@ struct LocalView {
     /// Where the picture lies in the whole that the camera shows; the whole's size is set even where it is no part.
     PartOfPicture part{};
     glm::dvec2 whole_off_center{0.0};  ///< of the whole picture
-    /// Cells up to this many pixels, seen squarely, may be drawn as splats; 0: none is, and everything is drawn in its
-    /// place.
-    float largest_stand_in_px = 0;
+    /// Pixels that what is drawn for a cell may reach beyond the cell's bounds, snapping left out; 0: everything is
+    /// drawn in its place.
+    float reach_px = 0;
     /// Coordinates are projected relative to this point of the ray through the middle of the picture, at
     /// `anchor_depth`. It is the eye with depth 0, unless the eye is so far that subtracting it would leave nothing of
     /// the coordinates.
@@ -76,7 +77,8 @@ struct LocalView {
         : LocalView(view, origin,
                     bounds.is_empty() ? 1.0f : glm::min(length_of(bounds.size()), std::numeric_limits<float>::max()),
                     bounds.is_empty() ? glm::vec3(0) : bounds.center(), stand_in_px) {}
-    /// The same for a hierarchy whose bounds have this diagonal around this center.
+    /// The same for a hierarchy whose bounds have this diagonal around this center. Cells of up to `stand_in_px`
+    /// pixels, seen squarely, may be drawn as splats; 0: none is.
     LocalView(const View& view, glm::dvec3 origin, float diagonal, glm::vec3 center = glm::vec3(0),
               float stand_in_px = 0)
         : eye(view.camera.eye - origin),
@@ -94,7 +96,6 @@ struct LocalView {
           height(view.height),
           part{view.part.left, view.part.top, view.whole_width(), view.whole_height()},
           whole_off_center(view.camera.off_center),
-          largest_stand_in_px(stand_in_px),
           anchor(eye),
           depth_unit(std::ldexp(1.0f, glm::clamp(exponent_of(diagonal), -100, 100))) {
         view.validate();
@@ -116,6 +117,7 @@ struct LocalView {
         if (is_perspective) {
             near_depth = glm::max(near_depth, glm::max(diagonal * 0x1p-64f, std::numeric_limits<float>::min()));
         }
+        if (stand_in_px > 0) reach_px = reach_of(stand_in_px);
         move_anchor(view.camera.eye - origin, diagonal, center, origin);
         set_planes();
     }
@@ -194,18 +196,6 @@ struct LocalView {
         return is_perspective && depth > 0 ? length_of(d) / depth : 1.0f;
     }
 
-    /// Pixels that what is drawn for a cell may reach beyond the cell's bounds, snapping left out: half a splat, which
-    /// lies about any point of its cell and is as large as the cell may look. (Away from the axis a cell is nearer than
-    /// its distance by stretch(), and is stretched by as much.) What is deposited for a small triangle reaches less far
-    /// than a pixel.
-    float reach_px() const {
-        if (!(largest_stand_in_px > 0)) return 0;
-        const glm::vec2 half = glm::vec2(part.whole_width, part.whole_height) / (2 * focal_px * squeeze);
-        const glm::vec2 away = half * (1.0f + glm::abs(glm::vec2(whole_off_center)));
-        const float squared_stretch = is_perspective ? 1 + glm::dot(away, away) : 1.0f;
-        return 0.75f * glm::max(1.0f, largest_stand_in_px * squared_stretch);
-    }
-
     /// The order in which points come front to back: the smaller the nearer.
     float order_of(glm::vec3 p) const {
         return is_perspective && anchor_depth == 0 ? length_of(p - eye) : glm::dot(p - anchor, forward);
@@ -215,6 +205,15 @@ struct LocalView {
     glm::vec3 towards_viewer(glm::vec3 p) const { return is_perspective ? eye - p : -forward; }
 
   private:
+    /// A splat lies about any point of its cell and is as large as the cell may look: half of it reaches beyond. (Away
+    /// from the axis a cell is nearer than its distance by stretch(), and is stretched by as much.) What is deposited
+    /// for a small triangle reaches less far than a pixel.
+    float reach_of(float stand_in_px) const {
+        const glm::vec2 away = half_size() * (1.0f + glm::abs(glm::vec2(whole_off_center)));
+        const float squared_stretch = is_perspective ? 1 + glm::dot(away, away) : 1.0f;
+        return 0.75f * glm::max(1.0f, stand_in_px * squared_stretch);
+    }
+
     /// What is projected are differences to the eye. In single precision a difference to an eye a thousand times as far
     /// as the scene is large has lost ten bits, and two sheets near each other come to lie in one plane. A parallel
     /// view does not change if its eye slides along the axis, so it slides next to the scene. An eye of a perspective
@@ -246,36 +245,42 @@ struct LocalView {
         }
     }
 
+    /// Half of the whole picture, in the unit of plane_at().
+    glm::vec2 half_size() const { return glm::vec2(part.whole_width, part.whole_height) / (2 * focal_px * squeeze); }
+    /// The plane that meets the picture's at `half` along an axis: perspective planes pass through the eye and tilt
+    /// inwards; orthographic ones stand beside it.
+    FARFIELD_INLINE glm::vec4 plane_at(glm::vec3 axis, float half) const {
+        if (!is_perspective) return glm::vec4(-axis, half + glm::dot(axis, eye));
+        const glm::vec3 inwards = half * forward - axis, n = glm::normalize(inwards);
+        return glm::vec4(n, half * anchor_depth / glm::length(inwards) - glm::dot(n, anchor));
+    }
+
     void set_planes() {
-        const float half_width = float(part.whole_width) / (2 * focal_px * squeeze.x);
-        const float half_height = float(part.whole_height) / (2 * focal_px * squeeze.y);
-        const glm::vec2 off(whole_off_center);
-        const auto side = [&](glm::vec3 axis, float half) {
-            // Perspective planes pass through the eye and tilt inwards; orthographic ones stand beside it.
-            if (!is_perspective) return glm::vec4(-axis, half + glm::dot(axis, eye));
-            const glm::vec3 inwards = half * forward - axis, n = glm::normalize(inwards);
-            return glm::vec4(n, half * anchor_depth / glm::length(inwards) - glm::dot(n, anchor));
-        };
-        planes = {side(-right, half_width * (1 - off.x)),
-                  side(right, half_width * (1 + off.x)),
-                  side(-up, half_height * (1 - off.y)),
-                  side(up, half_height * (1 + off.y)),
+        const glm::vec2 half = half_size(), off(whole_off_center);
+        planes = {plane_at(-right, half.x * (1 - off.x)),
+                  plane_at(right, half.x * (1 + off.x)),
+                  plane_at(-up, half.y * (1 - off.y)),
+                  plane_at(up, half.y * (1 + off.y)),
                   glm::vec4(forward, anchor_depth - glm::dot(forward, anchor) - near_depth),
                   glm::vec4(-forward, glm::dot(forward, anchor) - anchor_depth + far_depth)};
         for (const std::size_t i : {4u, 5u}) {
             if (std::isinf(planes[i].w)) planes[i] = glm::vec4(0, 0, 0, 1);
         }
+        if (part.left != 0 || part.top != 0 || width != part.whole_width || height != part.whole_height) set_borders();
+    }
+
+    void set_borders() {
         borders_used = 0;
-        const glm::vec2 pixel = 1.0f / (focal_px * squeeze);
-        const float outwards_px = 0.25f + reach_px();
+        const glm::vec2 half = half_size(), off(whole_off_center), pixel = 1.0f / (focal_px * squeeze);
+        const float outwards_px = 0.25f + reach_px;
         const auto border = [&](glm::vec3 axis, float whole_half, int cut_off, float unit) {
             const float outwards = float(cut_off) - outwards_px;
-            if (outwards > 0) borders[borders_used++] = side(axis, whole_half - outwards * unit);
+            if (outwards > 0) borders[borders_used++] = plane_at(axis, whole_half - outwards * unit);
         };
-        border(-right, half_width * (1 - off.x), part.left, pixel.x);
-        border(right, half_width * (1 + off.x), part.whole_width - part.left - width, pixel.x);
-        border(-up, half_height * (1 - off.y), part.whole_height - part.top - height, pixel.y);
-        border(up, half_height * (1 + off.y), part.top, pixel.y);
+        border(-right, half.x * (1 - off.x), part.left, pixel.x);
+        border(right, half.x * (1 + off.x), part.whole_width - part.left - width, pixel.x);
+        border(-up, half.y * (1 - off.y), part.whole_height - part.top - height, pixel.y);
+        border(up, half.y * (1 + off.y), part.top, pixel.y);
     }
 };
 

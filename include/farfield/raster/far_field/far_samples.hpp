@@ -21,7 +21,7 @@ namespace farfield::detail {
 
 /// Samples are addressed from the upper left one. Deposits come front to back over a z-buffer of geometry: depths(y)[x]
 /// is larger when nearer, and a deposit behind it is dropped, as if it had never come. A sample that lets nothing
-/// through any more is *closed*: nothing later can change it, geometry in front of it included. So what is left out
+/// through any more is *closed*: no deposit and nothing behind its first deposit can change it. So what is left out
 /// because it is hidden leaves no trace, and tiles, where more is hidden, are parts of the whole picture.
 class FarSamples {
   public:
@@ -36,7 +36,7 @@ class FarSamples {
         first_deposit_.clear();
         bits_.assign(words_ * std::size_t(height), {});
         rect_ = {};
-        has_begun_ = any_closed_ = false;
+        has_begun_ = false;
         place(0, 0, width, height);
     }
     /// Says that the picture is a tile: where its upper left sample lies in the whole. Squares and points come in the
@@ -57,7 +57,7 @@ class FarSamples {
             std::fill(words + (rect_.x0 >> 6), words + ((rect_.x1 - 1) >> 6) + 1, Bits{});
         }
         rect_ = {};
-        has_begun_ = any_closed_ = false;
+        has_begun_ = false;
     }
 
     /// Call this before the first deposit of a frame. The first frame that has one takes the memory.
@@ -83,9 +83,7 @@ class FarSamples {
         const auto columns = whole.columns(0);
         const auto rows = whole.rows(0);
         rect_.add(begin, y, end, y + 1);
-        bool closed = false;
-        for (int x = begin; x < end; ++x) closed |= into(row, x, q(x), deposit, columns, rows);
-        any_closed_ |= closed;
+        for (int x = begin; x < end; ++x) into(row, x, q(x), deposit, columns, rows);
     }
 
     /// Deposits into one sample inside the picture, covered whole.
@@ -116,13 +114,11 @@ class FarSamples {
             __builtin_prefetch(&samples_[index(x1, y)], 1);
         }
         const int first_column = left_ - at.x0, first_row = top_ - at.y0;
-        bool closed = false;
         for (int y = y0; y <= y1; ++y) {
             const auto row = row_of(depths, y);
             const auto rows = at.rows(y + first_row);
-            for (int x = x0; x <= x1; ++x) closed |= into(row, x, q, deposit, at.columns(x + first_column), rows);
+            for (int x = x0; x <= x1; ++x) into(row, x, q, deposit, at.columns(x + first_column), rows);
         }
-        any_closed_ |= closed;
     }
 
     /// Deposits something no larger than a lane: all of it goes into the lane that holds its center. `rgb()` is called
@@ -141,33 +137,22 @@ class FarSamples {
                                            loss, rgb()))
             return;
         row.bits[i >> 6].open &= ~(std::uint64_t(1) << (i & 63));
-        any_closed_ = true;
     }
 
-    /// Whether all samples of a rectangle inside the picture, ends included, are closed.
-    bool all_closed(int x0, int y0, int x1, int y1) const {
-        if (!any_closed_) return false;
-        const std::uint64_t all = ~std::uint64_t(0);
-        for (int y = y0; y <= y1; ++y) {
-            const Bits* words = bits_.data() + std::size_t(y) * words_;
-            for (int w = x0 >> 6; w <= x1 >> 6; ++w) {
-                std::uint64_t mask = all;
-                if (w == x0 >> 6) mask &= all << (x0 & 63);
-                if (w == x1 >> 6) mask &= all >> (63 - (x1 & 63));
-                if (words[w].open & mask) return false;
-            }
-        }
-        return true;
-    }
     bool is_open(int x, int y) const { return bits_of(x, y).open >> (x & 63) & 1; }
 
+    /// What lies behind this changes nothing in a sample that has geometry at `depth`.
+    float settled_behind(float depth, int x, int y) const {
+        return is_open(x, y) ? depth : std::max(depth, first_deposit_[index(x, y)]);
+    }
+
     /// The deposits into a sample, or null if there are none or if geometry that was drawn later, at `depth`, lies in
-    /// front of the first and came before the sample was closed.
+    /// front of the first.
     const Sample* over(float depth, int x, int y) const {
         const Bits& bits = bits_of(x, y);
         if ((bits.touched >> (x & 63) & 1) == 0) return nullptr;
         const std::size_t at = index(x, y);
-        return first_deposit_[at] > depth || (bits.open >> (x & 63) & 1) == 0 ? &samples_[at] : nullptr;
+        return first_deposit_[at] > depth ? &samples_[at] : nullptr;
     }
 
     /// The depth of the first and nearest deposit into a sample; -infinity: none counts.
@@ -220,14 +205,11 @@ class FarSamples {
         }
     }
 
-    /// Returns true if the deposit closed the sample.
     template <class Row>
-    bool into(const Row& row, int x, float q, const native_lanes::Deposit& deposit,
+    void into(const Row& row, int x, float q, const native_lanes::Deposit& deposit,
               const native_lanes::Columns& columns, const native_lanes::Rows& rows) {
-        if (!is_touched_by(row, x, q)) return false;
-        const bool closes = deposit.into(row.samples[x], columns, rows);
-        if (closes) row.bits[x >> 6].open &= ~(std::uint64_t(1) << (x & 63));
-        return closes;
+        if (!is_touched_by(row, x, q)) return;
+        if (deposit.into(row.samples[x], columns, rows)) row.bits[x >> 6].open &= ~(std::uint64_t(1) << (x & 63));
     }
 
     /// Whether a deposit changes a sample, which is then marked as touched.
@@ -254,7 +236,7 @@ class FarSamples {
     std::vector<float> first_deposit_;  ///< q of the first and nearest, for samples touched
     std::vector<Bits> bits_;            ///< 64 samples each, rows padded
     SampleRect rect_;
-    bool has_begun_ = false, any_closed_ = false;
+    bool has_begun_ = false;
 };
 
 }  // namespace farfield::detail

@@ -94,18 +94,18 @@ class SampleBuffers {
         return covered > 0 ? sum / float(covered) : -std::numeric_limits<float>::infinity();
     }
 
-    /// Whether nothing as far as q or farther can change any sample of a rectangle (ends included), because each is
-    /// closed or has nearer geometry. May err towards no; a rectangle without samples gives yes.
+    /// Whether nothing as far as q or farther can change any sample of a rectangle (ends included), because each has
+    /// nearer geometry or is closed, by deposits of which the first is nearer. May err towards no; a rectangle without
+    /// samples gives yes.
     bool all_settled(int x0, int y0, int x1, int y1, float q) {
         x0 = std::max(x0 - first_x_, 0);
         y0 = std::max(y0 - first_y_, 0);
         x1 = std::min(x1 - first_x_, width_ - 1);
         y1 = std::min(y1 - first_y_, height_ - 1);
         if (x0 > x1 || y0 > y1) return true;
-        return far_.all_closed(x0, y0, x1, y1) ||
-               tiles_.all_nearer(x0, y0, x1, y1, q, [&](int left, int top, int right, int bottom) {
-                   return farthest_open(left, top, std::min(right, width_), std::min(bottom, height_), q);
-               });
+        return tiles_.all_nearer(x0, y0, x1, y1, q, [&](int left, int top, int right, int bottom) {
+            return farthest_settled(left, top, std::min(right, width_), std::min(bottom, height_), q);
+        });
     }
 
     /// Writes the mean of each pixel's samples, but only where they changed since the last resolve into the same image.
@@ -161,13 +161,13 @@ class SampleBuffers {
         }
     }
 
-    /// The least q of the samples of a rectangle, half open, that are not closed, or the first not larger than q.
-    float farthest_open(int left, int top, int right, int bottom, float q) const {
+    /// The least q in a rectangle, half open, behind which nothing changes a sample, or the first not larger than q.
+    float farthest_settled(int left, int top, int right, int bottom, float q) const {
         float least = std::numeric_limits<float>::infinity();
         for (int y = top; y < bottom; ++y) {
             for (int x = left; x < right; ++x) {
-                const float depth = blocks_.depth(x, y);
-                if (depth < least && far_.is_open(x, y)) {
+                const float depth = far_.settled_behind(blocks_.depth(x, y), x, y);
+                if (depth < least) {
                     least = depth;
                     if (!(least > q)) return least;
                 }
