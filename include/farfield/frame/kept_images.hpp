@@ -82,7 +82,7 @@ inline std::optional<ImageRect> image_rect(const LocalView& view, glm::vec3 cent
     if (!(low.x > -most && low.y > -most && high.x < most && high.y < most)) return {};
     const glm::dvec2 size(view.part.whole_width, view.part.whole_height);
     const glm::dvec2 axis = size * 0.5 * (1.0 + view.whole_off_center * glm::dvec2(-1, 1));
-    const double margin = 1 + std::ceil(double(view.reach_px()));
+    const double margin = 1 + std::ceil(double(view.reach_px));
     const glm::dvec2 first = glm::floor(glm::dvec2(low) + axis) - margin, end = glm::ceil(glm::dvec2(high) + axis) + margin;
     return ImageRect{int(first.x), int(first.y), int(end.x - first.x), int(end.y - first.y)};
 }

@@ -92,7 +92,7 @@ class FarSamples {
         const auto row = row_of(depths, y);
         const native_lanes::Square whole(0, 0, 1, 1, 1, 1);
         if (x < rect_.x0 || y < rect_.y0 || x >= rect_.x1 || y >= rect_.y1) rect_.add(x, y, x + 1, y + 1);
-        if (into(row, x, q, native_lanes::Deposit(loss, rgb), whole.columns(0), whole.rows(0))) any_closed_ = true;
+        into(row, x, q, native_lanes::Deposit(loss, rgb), whole.columns(0), whole.rows(0));
     }
 
     /// Deposits a square: each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are
