@@ -1,5 +1,5 @@
-#include "farfield/approximation/image_cache.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/image_cache.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/partition/octree.hpp"
 #include "recipe.hpp"

@@ -179,8 +179,8 @@ struct ImageCacheOptions {
     /// An image is drawn while nothing in it is displaced by more than this many pixels of the picture's center: the
     /// paper's threshold. View::tolerance_px is that of what else stands in.
     float threshold_px = 2;
-    /// The paper looks at the corners of a cell, and at the picture's center. True: no point of the cell, anywhere in the
-    /// picture, is displaced by more (frame/safety_zone.hpp).
+    /// The paper looks at the corners of a cell, and at the picture's center. True: no point of the cell, anywhere in
+    /// the picture, is displaced by more (frame/safety_zone.hpp).
     bool is_conservative = false;
     /// Depth slices an image is made of, 1 to 8: the error falls with their number, and texels become more.
     int slices = 1;
@@ -236,10 +236,9 @@ concept ProvidesAreaLawIfStated = !A::facts.provides_area_law || (A::facts.stand
 }  // namespace detail
 
 template <class A>
-concept Approximation =
-    StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> && detail::MergesOctantsIfStated<A> &&
-    detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> && detail::ProvidesAreaLawIfStated<A> &&
-    detail::CachesImagesIfStated<A>;
+concept Approximation = StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> &&
+    detail::MergesOctantsIfStated<A> && detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> &&
+    detail::ProvidesAreaLawIfStated<A> && detail::CachesImagesIfStated<A>;
 
 // --- the one place where hooks are called whose form, or presence, depends on the approximation
 

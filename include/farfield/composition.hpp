@@ -61,8 +61,7 @@ template <class R, class H>
 concept OrderGoodEnough = H::ordering >= R::facts.needs_ordering;
 
 template <class H, class P, class R>
-concept DrawableWith =
-    Renderer<R, P> && detail::DrawsStandInsIfAny<R, typename H::approximation_type> &&
+concept DrawableWith = Renderer<R, P> && detail::DrawsStandInsIfAny<R, typename H::approximation_type> &&
     detail::KeepsImagesIfCached<R, typename H::approximation_type> && OrderGoodEnough<R, H>;
 
 }  // namespace farfield

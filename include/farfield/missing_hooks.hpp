@@ -190,8 +190,9 @@ constexpr bool check_approximation() {
             static_assert(!A::facts.merges_octants && !A::facts.compares && !A::facts.provides_area_law,
                           "farfield: `merges_octants`, `compares` and `provides_area_law` go with `stands_in` only");
         }
-        static_assert(!A::facts.caches_images || CachesImages<A>,
-                      "farfield: an approximation with `caches_images` needs `const ImageCacheOptions& images() const`");
+        static_assert(
+            !A::facts.caches_images || CachesImages<A>,
+            "farfield: an approximation with `caches_images` needs `const ImageCacheOptions& images() const`");
         static_assert(
             !A::facts.bounds_error || BoundsError<A>,
             "farfield: an approximation with `bounds_error` needs `float least_error_px(const Cell&, unsigned "

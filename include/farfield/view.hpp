@@ -100,11 +100,10 @@ struct FrameStats {
     std::uint64_t approximations_by_level[max_levels] = {};  ///< by depth in their own hierarchy
 
     FrameStats& operator+=(const FrameStats& other) {
-        for (const auto count :
-             {&FrameStats::primitives, &FrameStats::runs, &FrameStats::approximations, &FrameStats::faces,
-              &FrameStats::splats, &FrameStats::images, &FrameStats::images_made, &FrameStats::image_bytes,
-              &FrameStats::cells_visited, &FrameStats::cells_outside, &FrameStats::cells_hidden,
-              &FrameStats::instances, &FrameStats::touched_bytes}) {
+        for (const auto count : {&FrameStats::primitives, &FrameStats::runs, &FrameStats::approximations,
+                                 &FrameStats::faces, &FrameStats::splats, &FrameStats::images, &FrameStats::images_made,
+                                 &FrameStats::image_bytes, &FrameStats::cells_visited, &FrameStats::cells_outside,
+                                 &FrameStats::cells_hidden, &FrameStats::instances, &FrameStats::touched_bytes}) {
             this->*count += other.*count;
         }
         for (int i = 0; i < max_levels; ++i) approximations_by_level[i] += other.approximations_by_level[i];

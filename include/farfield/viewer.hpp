@@ -115,8 +115,9 @@ class Viewer {
     }
 
     /// Tells where the eye will be after the next frame, one place a frame, where that is known: images are then made
-    /// for as long as they will serve ("If the view trajectory is known to us in advance, we can simply search along the
-    /// trajectory", Shade et al. 1996, section 3). It counts for the next frame; without it the last motion goes on.
+    /// for as long as they will serve ("If the view trajectory is known to us in advance, we can simply search along
+    /// the trajectory", Shade et al. 1996, section 3). It counts for the next frame; without it the last motion goes
+    /// on.
     void expect(std::span<const glm::dvec3> eyes) requires caches_images<H> {
         images_.expected.assign(eyes.begin(), eyes.end());
     }
@@ -126,7 +127,8 @@ class Viewer {
         images_.has_eye = false;
     }
 
-    /// Keeps what frame() would draw without images if nothing hid anything. The renderer is not touched. Throws for memory alone.
+    /// Keeps what frame() would draw without images if nothing hid anything. The renderer is not touched. Throws for
+    /// memory alone.
     Selection<H, P> select(const View& view) {
         Selection<H, P> selection;
         select(view, selection);

@@ -55,6 +55,8 @@ TEST_CASE("cells that were not seen for long are forgotten where there are many"
     for (std::uint32_t node = 0; node < 5000; ++node) kept.cell(kept.index_of({0, node})).seen_frame = kept.frame();
     kept.keep(kept.cell(kept.index_of({0, 77})), image_of(10, 1));
     for (int f = 0; f < 100; ++f) kept.begin_frame();
+    for (std::uint32_t node = 0; node < 6000; ++node) kept.cell(kept.index_of({1, node})).seen_frame = kept.frame();
+    kept.begin_frame();
     CHECK(kept.find({0, 78}) == nullptr);
     REQUIRE(kept.find({0, 77}) != nullptr);  // it has an image
     CHECK(kept.image_of(*kept.find({0, 77}))->handles[0] == 1);

@@ -53,7 +53,8 @@ std::optional<glm::dvec2> pixel(const LocalView& view, glm::dvec3 p) {
     const glm::dvec3 d = p - glm::dvec3(view.eye);
     const double depth = glm::dot(d, glm::dvec3(view.forward));
     if (!(depth > 0)) return {};
-    return glm::dvec2(glm::dot(d, glm::dvec3(view.right)), glm::dot(d, glm::dvec3(view.up))) * double(view.focal_px) / depth;
+    return glm::dvec2(glm::dot(d, glm::dvec3(view.right)), glm::dot(d, glm::dvec3(view.up))) * double(view.focal_px) /
+           depth;
 }
 
 }  // namespace

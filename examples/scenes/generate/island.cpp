@@ -79,9 +79,7 @@ class Ground {
     vec3 vertex(int x, int z) const { return {position(x), at(x, z), position(z)}; }
 
   private:
-    float position(int i) const {
-        return side_m_ * (static_cast<float>(i) / static_cast<float>(cells_) - 0.5f);
-    }
+    float position(int i) const { return side_m_ * (static_cast<float>(i) / static_cast<float>(cells_) - 0.5f); }
     float at(int x, int z) const { return heights_[static_cast<std::size_t>(z * (cells_ + 1) + x)]; }
 
     float formed(float x, float z) const {

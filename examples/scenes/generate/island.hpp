@@ -25,9 +25,9 @@ struct IslandOptions {
 inline constexpr IslandOptions shade_island{
     .trees = 1'117, .tree_triangles = 36'230, .tree_kinds = 1, .ground_cells = 256};
 
-/// Ground and sea are the root's own triangles (33,104 with 128 cells along a side), every tree is a placement: turned about y, scaled,
-/// standing on the ground, none in the sea. Group i < tree_kinds is a tree. Sea level is y = 0; meters.
-/// Throws std::invalid_argument for no tree kinds, no ground or too few triangles a tree.
+/// Ground and sea are the root's own triangles (33,104 with 128 cells along a side), every tree is a placement: turned
+/// about y, scaled, standing on the ground, none in the sea. Group i < tree_kinds is a tree. Sea level is y = 0;
+/// meters. Throws std::invalid_argument for no tree kinds, no ground or too few triangles a tree.
 Scene island(const IslandOptions& options);
 
 /// As above; `instanced` false gives one group (see `expanded`), 3,642,224 triangles for 480 trees.

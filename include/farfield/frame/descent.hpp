@@ -36,7 +36,8 @@
 namespace farfield {
 
 /// The order of a descent, settled at compile time. Translucent stand-ins need front to back, so that closed pixels
-/// stop work, and images are translucent too; a renderer that can only blend back to front is replayed them reversed after everything else.
+/// stop work, and images are translucent too; a renderer that can only blend back to front is replayed them reversed
+/// after everything else.
 template <class H, class R>
 inline constexpr VisitOrder traversal_order =
     H::approximation_type::facts.stands_in || H::approximation_type::facts.caches_images ? VisitOrder::front_to_back

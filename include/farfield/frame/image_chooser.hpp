@@ -1,5 +1,5 @@
-// Chooses, before a frame is drawn, which cells are drawn by images and which of these are made anew: the UpdateCaches of
-// Shade et al. 1996, section 2, with its holes closed.
+// Chooses, before a frame is drawn, which cells are drawn by images and which of these are made anew: the UpdateCaches
+// of Shade et al. 1996, section 2, with its holes closed.
 //
 // The paper decides bottom up and makes images on the way, most of which no frame uses: their parent gets one too. Here
 // nothing is made before all is priced, and of cells one in another that pay the outermost gets the image. Every cell
@@ -35,8 +35,8 @@ namespace farfield::detail {
 
 /// Where the viewer will be, from the current frame on, in world units along right, up and forward of its view.
 struct ExpectedPath {
-    glm::vec3 step{0};                      ///< a frame, as in the last one
-    std::span<const glm::vec3> known{};     ///< where it is known: from here to the next frame's eye, the one after, ...
+    glm::vec3 step{0};                   ///< a frame, as in the last one
+    std::span<const glm::vec3> known{};  ///< where it is known: from here to the next frame's eye, the one after, ...
     static constexpr std::uint32_t farthest = 1024;  ///< frames looked ahead
 
     /// The displacement after k frames, k >= 1.
@@ -95,8 +95,8 @@ class ImageChooser {
     void run(const V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, std::optional<AreaLaw>) {
         using P = typename V::primitive_type;
         const auto items = float(end - first);
-        const float triangles_each = PrimitiveWithInstance<P> ? 1.0f : v.hierarchy.whole_work().triangles /
-                                                                           float(v.hierarchy.item_count());
+        const float triangles_each =
+            PrimitiveWithInstance<P> ? 1.0f : v.hierarchy.whole_work().triangles / float(v.hierarchy.item_count());
         const Work work{.triangles = items * triangles_each, .cells = 1, .runs = 1};
         // Seen from anywhere, a third of a box's rectangle is about what all triangles in it take, each squarely.
         const float radius = length_of(subtree.cell.bounds_half);
@@ -163,11 +163,10 @@ class ImageChooser {
 
     template <class V>
     static float price_of_drawing(const V& v, const CellImage& image) {
-        const glm::vec2 size = glm::vec2(length_of(image.across), length_of(image.down)) * v.view.focal_px *
-                               v.view.squeeze;
-        return v.hierarchy.cost_policy().cost({.images = float(image.slices),
-                                               .texels = size.x * size.y * float(image.slices),
-                                               .cells = 1});
+        const glm::vec2 size =
+            glm::vec2(length_of(image.across), length_of(image.down)) * v.view.focal_px * v.view.squeeze;
+        return v.hierarchy.cost_policy().cost(
+            {.images = float(image.slices), .texels = size.x * size.y * float(image.slices), .cells = 1});
     }
 
     /// "amortizedCost < cost to draw contents" (UpdateNode). If so the cell is wanted, and nothing below it.
@@ -190,12 +189,12 @@ class ImageChooser {
         if (!(drawing < contents)) return false;
         const float making = whole / visible_part(view, *rect) * making_factor();
         LocalView later = view;
-        const std::uint32_t lives = 1 + life_span(ExpectedPath::farthest, [&](std::uint32_t k) {
-                                        const glm::vec3 moved = path_.after(k);
-                                        later.eye = view.eye + (view.right * moved.x + view.up * moved.y +
-                                                                view.forward * moved.z) / view.scale;
-                                        return is_good(planned, later, options_);
-                                    });
+        const std::uint32_t lives =
+            1 + life_span(ExpectedPath::farthest, [&](std::uint32_t k) {
+                const glm::vec3 moved = path_.after(k);
+                later.eye = view.eye + (view.right * moved.x + view.up * moved.y + view.forward * moved.z) / view.scale;
+                return is_good(planned, later, options_);
+            });
         const float amortized = making / float(lives) + drawing;
         if (!(amortized < contents)) return false;
         price_ = open.price + double(amortized);

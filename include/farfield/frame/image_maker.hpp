@@ -29,8 +29,9 @@ namespace farfield::detail {
 
 /// A descent's sink that draws at once, and cells by images where there are some. In a frame these are the ones chosen;
 /// in an image, those of cells below that are good enough to be seen through two: their error is inherited, so it may
-/// be half the threshold, and the image is good only inside the spheres in which theirs stays so. ("The safety zone of an
-/// interior node is computed by [...] taking the intersection of this safety zone with the safety zones of the children.")
+/// be half the threshold, and the image is good only inside the spheres in which theirs stays so. ("The safety zone of
+/// an interior node is computed by [...] taking the intersection of this safety zone with the safety zones of the
+/// children.")
 template <class R>
 class DrawWithImages : public DrawNow<R> {
   public:
@@ -84,8 +85,8 @@ class DrawWithImages : public DrawNow<R> {
     bool may_be_in_image(const V& v, const CellImage& image) {
         if (image.is_of_images || options_.slices > 1) return false;
         const float half = sine_of_pixels(0.5f * options_.threshold_px, v.view);
-        const float radius = options_.is_conservative ? conservative_radius(image.place, half)
-                                                      : safety_radius(image.place, half);
+        const float radius =
+            options_.is_conservative ? conservative_radius(image.place, half) : safety_radius(image.place, half);
         const float left = radius - length_of(v.view.eye - image.place.eye);
         if (!(left > 0) || !is_good(image, v.view, options_, 0.5f)) return false;
         inherited_radius_ = std::min(inherited_radius_, left * v.view.scale);
@@ -107,7 +108,8 @@ class DrawWithImages : public DrawNow<R> {
 template <class R>
 class ImageMaker {
   public:
-    ImageMaker(R& renderer, SourceTable<R>& sources) : renderer_(renderer), sources_(sources), queue_(renderer, stats_) {}
+    ImageMaker(R& renderer, SourceTable<R>& sources)
+        : renderer_(renderer), sources_(sources), queue_(renderer, stats_) {}
     ~ImageMaker() {
         if (sources_.has_renderer()) free_all();
     }
@@ -162,8 +164,8 @@ class ImageMaker {
     }
 
   private:
-    /// "If the dimensions [fit] we redefine the viewing frustum so that it contains the entire node without changing the
-    /// viewpoint or the view direction, and render the node."
+    /// "If the dimensions [fit] we redefine the viewing frustum so that it contains the entire node without changing
+    /// the viewpoint or the view direction, and render the node."
     bool make(const WantedImage<ImageMaker>& wanted) {
         KeptCell& cell = kept_.cell(wanted.cell);
         const auto free_handle = [&](std::uint32_t handle) { renderer_.free_image(handle); };
@@ -173,15 +175,16 @@ class ImageMaker {
         if (!kept_.make_room(bytes, options_->budget_bytes, free_handle)) return false;
         CellImage image = planned_image(wanted.view, wanted.subtree.cell.bounds_center, wanted.subtree.cell.bounds_half,
                                         wanted.rect, options_->slices);
-        const LocalView view = wanted.view.rectangle(wanted.rect.left, wanted.rect.top, wanted.rect.width,
-                                                     wanted.rect.height);
+        const LocalView view =
+            wanted.view.rectangle(wanted.rect.left, wanted.rect.top, wanted.rect.width, wanted.rect.height);
         float inherited = std::numeric_limits<float>::infinity();
         for (int i = 0; i < image.slices; ++i) {
             const auto at = std::size_t(i);
             LocalView slice = view;
             if (image.slices > 1) {
                 const float none = std::numeric_limits<float>::infinity();
-                slice = view.between(i == 0 ? -none : image.ends[at], i + 1 == image.slices ? none : image.ends[at + 1]);
+                slice =
+                    view.between(i == 0 ? -none : image.ends[at], i + 1 == image.slices ? none : image.ends[at + 1]);
             }
             renderer_.begin_image(slice, image.depths[at], options_->samples);
             wanted.draw(*this, wanted, slice);

@@ -73,8 +73,8 @@ inline std::optional<ImageRect> image_rect(const LocalView& view, glm::vec3 cent
             center + half * glm::vec3((i & 1) ? 1 : -1, (i & 2) ? 1 : -1, (i & 4) ? 1 : -1) - view.anchor;
         const float depth = glm::dot(p, view.forward) + view.anchor_depth;
         if (!(depth > view.near_depth) || !(depth < view.far_depth)) return {};
-        const glm::vec2 at = focal * glm::vec2(glm::dot(p, view.right), -glm::dot(p, view.up)) /
-                             (view.is_perspective ? depth : 1.0f);
+        const glm::vec2 at =
+            focal * glm::vec2(glm::dot(p, view.right), -glm::dot(p, view.up)) / (view.is_perspective ? depth : 1.0f);
         low = glm::min(low, at);
         high = glm::max(high, at);
     }
@@ -83,7 +83,8 @@ inline std::optional<ImageRect> image_rect(const LocalView& view, glm::vec3 cent
     const glm::dvec2 size(view.part.whole_width, view.part.whole_height);
     const glm::dvec2 axis = size * 0.5 * (1.0 + view.whole_off_center * glm::dvec2(-1, 1));
     const double margin = 1 + std::ceil(double(view.reach_px));
-    const glm::dvec2 first = glm::floor(glm::dvec2(low) + axis) - margin, end = glm::ceil(glm::dvec2(high) + axis) + margin;
+    const glm::dvec2 first = glm::floor(glm::dvec2(low) + axis) - margin,
+                     end = glm::ceil(glm::dvec2(high) + axis) + margin;
     return ImageRect{int(first.x), int(first.y), int(end.x - first.x), int(end.y - first.y)};
 }
 
@@ -135,12 +136,13 @@ inline bool is_good(const CellImage& image, const LocalView& view, const ImageCa
     if (image.is_of_images) part *= 0.5f;
     for (int i = 0; i < image.slices; ++i) {
         const ImageQuad quad = image.quad(i);
-        for (const glm::vec3& p : {quad.corner, quad.corner + quad.across, quad.corner + quad.down,
-                                   quad.corner + quad.across + quad.down}) {
+        for (const glm::vec3& p :
+             {quad.corner, quad.corner + quad.across, quad.corner + quad.down, quad.corner + quad.across + quad.down}) {
             if (!(view.depth(p) > view.near_depth)) return false;
         }
         const ImagePlace slice = image.slice(i);
-        const float displaced = options.is_conservative ? displacement_bound_px(slice, view) : displacement_px(slice, view);
+        const float displaced =
+            options.is_conservative ? displacement_bound_px(slice, view) : displacement_px(slice, view);
         if (!(displaced <= options.threshold_px * part)) return false;
     }
     return true;
@@ -267,7 +269,8 @@ class KeptImages {
             if (cells_[i].image != KeptCell::no_image && cells_[i].drawn_frame + 1 < frame_) order_.push_back(i);
         }
         std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-            return cells_[a].drawn_frame != cells_[b].drawn_frame ? cells_[a].drawn_frame > cells_[b].drawn_frame : a > b;
+            return cells_[a].drawn_frame != cells_[b].drawn_frame ? cells_[a].drawn_frame > cells_[b].drawn_frame
+                                                                  : a > b;
         });
     }
 

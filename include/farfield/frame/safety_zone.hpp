@@ -1,8 +1,8 @@
 // How far wrong an image of a cell is when it is seen from elsewhere than where it was made, and how far one may go.
 //
 // An image is drawn as a rectangle at constant depth. What it shows of a point a then comes from where the ray from the
-// eye v0 that it was made for, through a, meets the rectangle: from a~. Seen from v, a and a~ subtend an angle (Shade et
-// al. 1996, section 3, figure 1), which in the picture is a displacement.
+// eye v0 that it was made for, through a, meets the rectangle: from a~. Seen from v, a and a~ subtend an angle (Shade
+// et al. 1996, section 3, figure 1), which in the picture is a displacement.
 //
 // With p = a - v0 at depth z along the axis of the image, q = a~ - v0 = p d / z on the rectangle at depth d, and
 // m = v - v0:
@@ -85,7 +85,8 @@ inline float squared_sine_at_corners(const ImagePlace& place, glm::vec3 eye) {
 /// A bound of the sine of the angle over all points that the image shows, not only corners. Perspective only.
 ///
 /// Let c be a point's direction, scaled to depth 1: p = z c, q = d c. A vector is at least as long as its part along c:
-/// |z c - m| >= |c| (z - t) with t = m.c / |c|^2, and so for d. With |p x m| = z |c| m' where m' is the part of m across c,
+/// |z c - m| >= |c| (z - t) with t = m.c / |c|^2, and so for d. With |p x m| = z |c| m' where m' is the part of m
+/// across c,
 ///
 ///     sine = |1 - d/z| z |c| m' / (|z c - m| |d c - m|) <= m' / |c| |1 / (d - t) - 1 / (z - t)|
 ///
@@ -116,8 +117,9 @@ inline float sine_bound(const ImagePlace& place, glm::vec3 eye) {
     const float t = along > 0 ? along * cosine : 0.0f;
     if (!(place.nearest > t && place.depth > t)) return never;
     const float inverse = 1 / (place.depth - t);
-    const float sine = across * cosine *
-                       std::max(std::abs(inverse - 1 / (place.nearest - t)), std::abs(inverse - 1 / (place.farthest - t)));
+    const float sine =
+        across * cosine *
+        std::max(std::abs(inverse - 1 / (place.nearest - t)), std::abs(inverse - 1 / (place.farthest - t)));
     return sine * (1 + 0x1p-16f);
 }
 
@@ -141,7 +143,8 @@ inline float displacement_bound_px(const ImagePlace& place, const LocalView& vie
     constexpr float never = std::numeric_limits<float>::infinity();
     const float sine = sine_bound(place, view.eye);
     if (!(sine < 1)) return never;
-    const glm::vec2 half = glm::vec2(view.part.whole_width, view.part.whole_height) / (2 * view.focal_px * view.squeeze);
+    const glm::vec2 half =
+        glm::vec2(view.part.whole_width, view.part.whole_height) / (2 * view.focal_px * view.squeeze);
     const float corner = length_of(glm::vec3(half * (1.0f + glm::abs(glm::vec2(view.whole_off_center))), 0.0f));
     const float tangent = sine / std::sqrt(1 - sine * sine), slope = 1 - corner * tangent;
     return slope > 0 ? view.focal_px * ((corner + tangent) / slope - corner) * (1 + 0x1p-16f) : never;
@@ -150,8 +153,8 @@ inline float displacement_bound_px(const ImagePlace& place, const LocalView& vie
 /// The radius of the sphere around the image's eye from within which no corner and its image subtend more than an angle
 /// (equations 3 and 4). Viewpoints from which a and a~ subtend the angle lie on two circles, in any plane through both,
 /// of radius r = |a - a~| / (2 sin). The nearer of both is h away from the eye, and the circles
-/// d = sqrt(h^2 + r^2 + h |a - a~|) - r. As printed, with h the distance to a, the zone is too large where a~ is nearer:
-/// the angle came to 1.4 times what was allowed.
+/// d = sqrt(h^2 + r^2 + h |a - a~|) - r. As printed, with h the distance to a, the zone is too large where a~ is
+/// nearer: the angle came to 1.4 times what was allowed.
 inline float safety_radius(const ImagePlace& place, float sine) {
     float radius = std::numeric_limits<float>::infinity();
     for (unsigned i = 0; i < 8; ++i) {

@@ -144,10 +144,10 @@ struct LocalView {
         return v;
     }
 
-    /// The view of a rectangle of the whole picture's pixels, first row topmost, that may reach beyond the picture or lie
-    /// outside of it: a whole picture by itself, whose samples lie where they lie in this one. "We redefine the viewing
-    /// frustum so that it contains the entire node without changing the viewpoint or the view direction" (Shade et al.
-    /// 1996, section 2).
+    /// The view of a rectangle of the whole picture's pixels, first row topmost, that may reach beyond the picture or
+    /// lie outside of it: a whole picture by itself, whose samples lie where they lie in this one. "We redefine the
+    /// viewing frustum so that it contains the entire node without changing the viewpoint or the view direction" (Shade
+    /// et al. 1996, section 2).
     LocalView rectangle(int left, int top, int rectangle_width, int rectangle_height) const {
         const glm::dvec2 whole(part.whole_width, part.whole_height), size(rectangle_width, rectangle_height);
         LocalView v = *this;

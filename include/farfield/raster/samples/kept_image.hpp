@@ -1,5 +1,5 @@
-// An image of a part of the scene that a renderer keeps, and how it is drawn as a rectangle in space (Shade et al. 1996,
-// section 2).
+// An image of a part of the scene that a renderer keeps, and how it is drawn as a rectangle in space (Shade et al.
+// 1996, section 2).
 //
 // Beyond the paper each texel remembers its depth, as G. Schaufler's nailboards do ("Nailboards: A Rendering Primitive
 // for Image Caching in Dynamic Scenes", Eurographics Workshop on Rendering 1997). A rectangle at one depth cannot be
@@ -19,6 +19,7 @@
 #include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "farfield/drawables.hpp"
@@ -40,9 +41,14 @@ struct KeptImage {
     std::vector<Rgba8> color;   ///< premultiplied
     std::vector<std::uint16_t> depth;
     float least_depth = 1, depth_step = 0;
+    std::vector<std::uint8_t> tiles;  ///< of 8 x 8 texels, the border counted: 0 where nothing is
 
+    static constexpr int log2_tile = 3, tile = 1 << log2_tile;
+    std::size_t tile_columns() const { return (stride() + tile - 1) / tile; }
     static constexpr std::size_t bytes_of(int width, int height) {
-        return (std::size_t(width) + 2) * (std::size_t(height) + 2) * (sizeof(Rgba8) + sizeof(std::uint16_t));
+        const std::size_t columns = std::size_t(width) + 2, rows = std::size_t(height) + 2;
+        return columns * rows * (sizeof(Rgba8) + sizeof(std::uint16_t)) +
+               ((columns + tile - 1) / tile) * ((rows + tile - 1) / tile);
     }
     std::size_t stride() const { return std::size_t(width) + 2; }
 };
@@ -52,8 +58,8 @@ inline float depth_bias_of(const SampleProjection& projection) {
     return projection.is_perspective ? -projection.q_of_depth : 0.0f;
 }
 
-/// Takes an image of the size that `projection` has from what was drawn. `colors` is its picture, at least as large; the
-/// rectangle lies at `quad_depth` from the projection's anchor. `scratch` is kept from call to call.
+/// Takes an image of the size that `projection` has from what was drawn. `colors` is its picture, at least as large;
+/// the rectangle lies at `quad_depth` from the projection's anchor. `scratch` is kept from call to call.
 inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Image& colors,
                        const SampleProjection& projection, float quad_depth, std::vector<float>& scratch) {
     const int side = buffers.samples_a_side();
@@ -62,6 +68,7 @@ inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Imag
     const std::size_t stride = kept.stride(), count = stride * (std::size_t(kept.height) + 2);
     kept.color.assign(count, {0, 0, 0, 0});
     kept.depth.assign(count, 0);
+    kept.tiles.assign(kept.tile_columns() * ((std::size_t(kept.height) + 1 + KeptImage::tile) / KeptImage::tile), 0);
     const float bias = depth_bias_of(projection), quad = projection.q(quad_depth, projection.inverse_w(quad_depth));
     const bool by_quotient = projection.is_perspective;
     const float neutral = by_quotient ? 1.0f : 0.0f;
@@ -74,6 +81,8 @@ inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Imag
             const Rgba8 c = colors.at(x, y);
             if (c.a == 0) continue;
             kept.color[row + std::size_t(x)] = c;
+            kept.tiles[std::size_t(y + 1) / KeptImage::tile * kept.tile_columns() +
+                       std::size_t(x + 1) / KeptImage::tile] = 1;
             const float q = buffers.mean_depth(x, y);
             const float relative = by_quotient ? (q + bias) / (quad + bias) : q - quad;
             if (!std::isfinite(relative)) continue;
@@ -148,7 +157,8 @@ class ImageFill {
         for (unsigned i = 0; i < 4; ++i) {
             const glm::dvec3 p = to_samples * glm::dvec3((i & 1) ? image.width : 0, (i & 2) ? image.height : 0, 1);
             if (!(p.z > 0)) return false;
-            const glm::dvec2 at = (glm::dvec2(p) / p.z + glm::dvec2(projection_.offset_x, projection_.offset_y)) / 256.0;
+            const glm::dvec2 at =
+                (glm::dvec2(p) / p.z + glm::dvec2(projection_.offset_x, projection_.offset_y)) / 256.0;
             low = glm::min(low, at);
             high = glm::max(high, at);
         }
@@ -177,65 +187,130 @@ class ImageFill {
         return true;
     }
 
+    /// Where eight samples of a row lie in the image: in 1/65536 texels from the border's first, and the rectangle's
+    /// depth. Between the ends of such a run all of it is as good as linear.
+    struct Run {
+        std::int32_t u, v, u_step, v_step;
+        float q, q_step;
+        bool is_inside;  ///< all of them touch texels, the border counted
+    };
+
     void fill_row(const KeptImage& image, int y) {
         SampleBlocks& blocks = buffers_.blocks();
-        const auto at_row = [&](const Linear& l) { return float(l.y * y + l.at_zero); };
-        const float u_row = at_row(u_), v_row = at_row(v_), w_row = at_row(inverse_w_);
-        const auto u_step = float(u_.x), v_step = float(v_.x), w_step = float(inverse_w_.x);
-        const auto corner_depth = float(depth_at_corner_), across = float(depth_across_), down = float(depth_down_);
-        const bool by_quotient = projection_.is_perspective;
-        const std::size_t stride = image.stride();
         for (int x = x0_; x < x1_;) {
             const int next = std::min((x | (SampleBlocks::side - 1)) + 1, x1_);
-            const int block_column = x >> SampleBlocks::log2_side, block_row = y >> SampleBlocks::log2_side;
-            const std::size_t at = blocks.index(block_column, block_row);
-            SampleBlocks::Samples* samples = nullptr;
-            float nearest = -std::numeric_limits<float>::infinity();
-            for (; x < next; ++x) {
-                const auto column = float(x);
-                const float inverse = u_step == 0 && w_step == 0 ? 1 / w_row : 1 / (w_row + w_step * column);
-                // Relative to the centers of texels, and one more for the border.
-                const float u = (u_row + u_step * column) * inverse + 0.5f;
-                const float v = (v_row + v_step * column) * inverse + 0.5f;
-                if (!(u >= 0 && v >= 0 && u < float(image.width + 1) && v < float(image.height + 1))) continue;
-                // The nearest of 256 steps, and of a step and the next texel the latter.
-                const int u_256 = int(u * 256 + 0.5f), v_256 = int(v * 256 + 0.5f);
-                const int column_of = std::min(u_256 >> 8, image.width), row_of = std::min(v_256 >> 8, image.height);
-                const std::size_t texel = std::size_t(row_of) * stride + std::size_t(column_of);
-                const auto u_part = std::uint32_t(u_256 - (column_of << 8));
-                const auto v_part = std::uint32_t(v_256 - (row_of << 8));
-                std::uint32_t upper[2], lower[2];
-                __builtin_memcpy(upper, image.color.data() + texel, sizeof upper);
-                __builtin_memcpy(lower, image.color.data() + texel + stride, sizeof lower);
-                if ((upper[0] | upper[1] | lower[0] | lower[1]) == 0) continue;
-                const std::uint32_t packed = mixed_bytes(mixed_bytes(upper[0], upper[1], u_part),
-                                                         mixed_bytes(lower[0], lower[1], u_part), v_part);
-                const auto color = std::bit_cast<Rgba8>(packed);
-                if (color.a == 0) continue;
-                const std::size_t nearest_texel = texel + (u_part >= 128 ? 1 : 0) + (v_part >= 128 ? stride : 0);
-                const float relative = image.least_depth + image.depth_step * float(image.depth[nearest_texel]);
-                const float inverse_w = w_row + w_step * column;
-                const float depth = corner_depth + across * (u - 0.5f) + down * (v - 0.5f);
-                const float quad_q = projection_.q(depth, inverse_w);
-                const float q = by_quotient ? (quad_q + bias_) * relative - bias_ : quad_q + relative;
-                if (color.a < 255) {
-                    buffers_.deposit_sample(x, y, q, color);
-                    continue;
-                }
-                if (samples == nullptr) samples = &blocks.opened(at, block_column, block_row);
-                const std::size_t within = std::size_t(y & (SampleBlocks::side - 1)) * SampleBlocks::side +
-                                           std::size_t(x & (SampleBlocks::side - 1));
-                if (q > samples->depth[within]) {
-                    samples->depth[within] = q;
-                    samples->color[within] = color;
-                    nearest = std::max(nearest, q);
-                }
+            const std::size_t at = blocks.index(x >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
+            Run run;
+            if (place_run(image, x, next - 1, y, run) && !is_hidden(image, run, next - x, blocks.farthest(at)) &&
+                holds_something(image, run, next - x)) {
+                fill_run(image, run, at, x, next, y);
             }
-            if (samples != nullptr) {
-                blocks.filled(at, nearest);
-                has_drawn_ = true;
+            x = next;
+        }
+    }
+
+    /// False if they lie outside of the image.
+    bool place_run(const KeptImage& image, int first, int last, int y, Run& run) const {
+        struct End {
+            float u, v, q;
+        };
+        const auto at = [&](int x) {
+            const auto linear = [&](const Linear& l) { return float(l.x * x + (l.y * y + l.at_zero)); };
+            const float inverse_w = linear(inverse_w_), w = 1 / inverse_w;
+            // Relative to the centers of texels, and one more for the border.
+            const float u = linear(u_) * w + 0.5f, v = linear(v_) * w + 0.5f;
+            const float depth =
+                float(depth_at_corner_) + float(depth_across_) * (u - 0.5f) + float(depth_down_) * (v - 0.5f);
+            return End{u, v, projection_.q(depth, inverse_w)};
+        };
+        const End a = at(first), b = first == last ? a : at(last);
+        const auto right = float(image.width + 1), bottom = float(image.height + 1);
+        if (!(std::max(a.u, b.u) >= 0 && std::max(a.v, b.v) >= 0 && std::min(a.u, b.u) < right &&
+              std::min(a.v, b.v) < bottom))
+            return false;
+        // Nothing is magnified or made smaller so much that eight samples span more.
+        constexpr float most = 16384;
+        if (!(std::abs(a.u) < most && std::abs(b.u) < most && std::abs(a.v) < most && std::abs(b.v) < most))
+            return false;
+        const auto whole = [](float v) { return std::int32_t(std::lround(v * 65536)); };
+        const std::int32_t u = whole(a.u), v = whole(a.v), u_end = whole(b.u), v_end = whole(b.v);
+        const int steps = std::max(last - first, 1);
+        run = {u,
+               v,
+               (u_end - u) / steps,
+               (v_end - v) / steps,
+               a.q,
+               (b.q - a.q) / float(steps),
+               std::min(a.u, b.u) >= 0 && std::min(a.v, b.v) >= 0 && std::max(a.u, b.u) < right - 0.01f &&
+                   std::max(a.v, b.v) < bottom - 0.01f};
+        return true;
+    }
+
+    /// Whether all samples of the block are nearer than anything in the image.
+    bool is_hidden(const KeptImage& image, const Run& run, int count, float farthest) const {
+        return farthest > at_relative(std::max(run.q, run.q + run.q_step * float(count - 1)),
+                                      image.least_depth + 65535 * image.depth_step);
+    }
+    float at_relative(float quad_q, float relative) const {
+        return projection_.is_perspective ? (quad_q + bias_) * relative - bias_ : quad_q + relative;
+    }
+
+    static bool holds_something(const KeptImage& image, const Run& run, int count) {
+        const auto tiles_of = [](std::int32_t first, std::int32_t last, int size) {
+            const int low = std::max(std::min(first, last) >> 16, 0),
+                      high = std::min((std::max(first, last) >> 16) + 1, size);
+            return std::pair(low >> KeptImage::log2_tile, high >> KeptImage::log2_tile);
+        };
+        const auto [left, right] = tiles_of(run.u, run.u + run.u_step * (count - 1), image.width + 1);
+        const auto [top, bottom] = tiles_of(run.v, run.v + run.v_step * (count - 1), image.height + 1);
+        for (int row = top; row <= bottom; ++row) {
+            for (int column = left; column <= right; ++column) {
+                if (image.tiles[std::size_t(row) * image.tile_columns() + std::size_t(column)] != 0) return true;
             }
         }
+        return false;
+    }
+
+    void fill_run(const KeptImage& image, const Run& run, std::size_t at, int first, int end, int y) {
+        SampleBlocks& blocks = buffers_.blocks();
+        SampleBlocks::Samples* samples = nullptr;
+        float nearest = -std::numeric_limits<float>::infinity();
+        const std::size_t stride = image.stride();
+        std::int32_t u = run.u + 128, v = run.v + 128;  // rounded to 1/256
+        float quad_q = run.q;
+        for (int x = first; x < end; ++x, u += run.u_step, v += run.v_step, quad_q += run.q_step) {
+            const int column = u >> 16, row = v >> 16;
+            if (!run.is_inside && (column < 0 || row < 0 || column > image.width || row > image.height)) continue;
+            const std::size_t texel = std::size_t(row) * stride + std::size_t(column);
+            std::uint32_t upper[2], lower[2];
+            __builtin_memcpy(upper, image.color.data() + texel, sizeof upper);
+            __builtin_memcpy(lower, image.color.data() + texel + stride, sizeof lower);
+            if ((upper[0] | upper[1] | lower[0] | lower[1]) == 0) continue;
+            const auto u_part = std::uint32_t(u >> 8 & 255), v_part = std::uint32_t(v >> 8 & 255);
+            const auto color = std::bit_cast<Rgba8>(
+                mixed_bytes(mixed_bytes(upper[0], upper[1], u_part), mixed_bytes(lower[0], lower[1], u_part), v_part));
+            if (color.a == 0) continue;
+            const std::size_t nearest_texel = texel + (u_part >= 128 ? 1 : 0) + (v_part >= 128 ? stride : 0);
+            const float q =
+                at_relative(quad_q, image.least_depth + image.depth_step * float(image.depth[nearest_texel]));
+            if (color.a < 255) {
+                buffers_.deposit_sample(x, y, q, color);
+                continue;
+            }
+            if (samples == nullptr) {
+                samples = &blocks.opened(at, first >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
+            }
+            const std::size_t within = std::size_t(y & (SampleBlocks::side - 1)) * SampleBlocks::side +
+                                       std::size_t(x & (SampleBlocks::side - 1));
+            if (q > samples->depth[within]) {
+                samples->depth[within] = q;
+                samples->color[within] = color;
+                nearest = std::max(nearest, q);
+            }
+        }
+        if (samples == nullptr) return;
+        blocks.filled(at, nearest);
+        has_drawn_ = true;
     }
 
     const SampleProjection& projection_;
