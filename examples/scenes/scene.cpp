@@ -95,6 +95,7 @@ Scene expanded(const Scene& scene, std::uint64_t triangle_limit) {
                                 " triangles when expanded, more than the limit of " + std::to_string(triangle_limit));
     }
     Scene result{scene.name, std::vector<Group>(1), scene.up, scene.origin};
+    result.is_closed = scene.is_closed;
     result.groups[0].triangles.reserve(static_cast<std::size_t>(count));
     append(scene, scene.groups.size() - 1, glm::mat4(1.0f), result.groups[0].triangles);
     return result;

@@ -35,6 +35,8 @@ struct Scene {
     glm::dvec3 origin{0.0, 0.0, 0.0};
     /// What the file has and the scene has not (further models, textures that are missing), one line each.
     std::vector<std::string> notes{};
+    /// All surfaces are known to be closed and counter-clockwise from outside, so that no back face is ever seen.
+    bool is_closed = false;
 };
 
 // All below throw std::invalid_argument if there is no group, or if a placement names a group that is not

@@ -40,7 +40,7 @@ std::string list() {
     text << "scenes:\n";
     for (const std::string& name : farfield::scenes::names()) text << "  " << name << "\n";
     text << "  FILE                    .off .oogl .ply .obj .gltf .glb .pdb .ent .cif .mmcif .xyz\n"
-            "                          .dump .lammpstrj .data .lmp .csv, each also packed (.gz)\n";
+            "                          .pts .pcd .dump .lammpstrj .data .lmp .csv, each also packed (.gz)\n";
     text << "variants:\n";
     for (const Variant& v : variants()) {
         text << "  " << v.name << std::string(24 - v.name.size(), ' ') << v.description << "\n";

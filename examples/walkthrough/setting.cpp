@@ -1,8 +1,6 @@
 #include "setting.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <new>
@@ -16,15 +14,6 @@
 
 namespace walkthrough {
 namespace {
-
-/// Loaders of these make spheres, counter-clockwise from outside.
-bool has_atoms(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-    constexpr std::array<std::string_view, 9> known{".pdb",  ".ent",       ".cif",  ".mmcif", ".xyz",
-                                                    ".dump", ".lammpstrj", ".data", ".lmp"};
-    return std::find(known.begin(), known.end(), extension) != known.end();
-}
 
 /// In one line: whoever looks at the pictures is to know what they lack.
 void say_what_is_left_out(const std::string& file, const std::vector<std::string>& notes) {
@@ -76,7 +65,7 @@ Setting make_setting(const std::string& asked) {
     if (generated && asked == "quadrupled-forest") {
         setting.descent = {farfield::scenes::aerial({}), farfield::scenes::eye_level({})};
     }
-    setting.culls_back_faces = generated ? asked == "molecule" : has_atoms(asked);
+    setting.culls_back_faces = setting.scene.is_closed || (generated && asked == "molecule");
     return setting;
 }
 

@@ -48,6 +48,7 @@ Recipe color_cube_shared();
 Recipe opacity_tensor();
 Recipe bsp();
 Recipe octree_of_bsps();
+Recipe gap_bsp();
 Recipe image_cache();
 Recipe image_cache_lod();
 

@@ -96,6 +96,7 @@ namespace archetype {
 struct Emit {
     void operator()(unsigned) const {}
     void keep() const {}
+    void drop() const {}
 };
 struct Touches {
     bool operator()(const Box&) const { return true; }
@@ -117,7 +118,7 @@ concept DescendsInOrder = requires(const T& t, const Cell& cell, const typename 
 };
 
 /// place(cell, data, item, touches, give) calls give(child) for each child that gets the item, or give.keep() to leave
-/// it in the node's own run. touches(box) says whether the primitive itself, not just its bounds, meets a box; of an
+/// it in the node's own run, or give.drop() where items are shared and another cell has it. touches(box) says whether the primitive itself, not just its bounds, meets a box; of an
 /// instance it is always true.
 template <class T>
 concept PlacesItems = requires(const T& t, const Cell& cell, typename T::node_data& data,

@@ -15,13 +15,15 @@ namespace farfield::fuzz {
 namespace {
 
 /// The first byte of an input is the letter of its format; any other stands for a name without an extension.
-constexpr std::array<std::pair<char, std::string_view>, 11> formats{{{'o', ".off"},
+constexpr std::array<std::pair<char, std::string_view>, 13> formats{{{'o', ".off"},
                                                                      {'p', ".ply"},
                                                                      {'w', ".obj"},
                                                                      {'g', ".gltf"},
                                                                      {'a', ".pdb"},
                                                                      {'m', ".cif"},
                                                                      {'x', ".xyz"},
+                                                                     {'t', ".pts"},
+                                                                     {'n', ".pcd"},
                                                                      {'d', ".dump"},
                                                                      {'l', ".lmp"},
                                                                      {'c', ".csv"},

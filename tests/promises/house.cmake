@@ -78,6 +78,7 @@ tested_by(frame/selection frame/draw_now)
 tested_by(hierarchy/fingerprint geometry/mixed)
 tested_by(measure/flip measure/flip_colors measure/flip_filters)
 tested_by(merged_viewer merged_viewer/body_walker)
+tested_by(partition/polygon_bsp partition/child_boxes)
 tested_by(raster/box_footprint raster/box_fronts)
 tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
           raster/far_field/transmittance_lanes_sse2)

@@ -10,6 +10,7 @@
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/partition/gap_bsp.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
@@ -18,7 +19,8 @@
 namespace farfield::test {
 
 using OctreeOfBsps = Nested<Octree, PolygonBsp>;
-using Partitions = std::tuple<Named<Octree>, Named<SharedOctree>, Named<PolygonBsp>, Named<OctreeOfBsps>>;
+using Partitions =
+    std::tuple<Named<Octree>, Named<SharedOctree>, Named<PolygonBsp>, Named<OctreeOfBsps>, Named<GapBsp>>;
 using Approximations = std::tuple<Named<Exact>, Named<ColorCube>, Named<ColorCubeCluster<2>>,
                                   Named<ColorCubeCluster<4>>, Named<OpacityTensor>>;
 #ifdef FARFIELD_ONE_COST_MODEL  // under sanitizers: prices change what is chosen, and double what is compiled
@@ -37,6 +39,6 @@ using HierarchiesWith = decltype(hierarchies_of(
 /// Of every triple.
 using Hierarchies = decltype(hierarchies_of(
     variants_of(std::declval<Partitions>(), std::declval<Approximations>(), std::declval<CostModels>())));
-static_assert(std::tuple_size_v<Hierarchies> == 20 * std::tuple_size_v<CostModels>, "all of today's policies compose");
+static_assert(std::tuple_size_v<Hierarchies> == 25 * std::tuple_size_v<CostModels>, "all of today's policies compose");
 
 }  // namespace farfield::test

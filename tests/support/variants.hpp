@@ -71,6 +71,7 @@ struct Variant {
     bool is_shared = false;
     bool is_clipped = false;
     bool stands_in = false;
+    bool has_octants = false;  ///< children are octants of their cell
     std::function<std::unique_ptr<AnyHierarchy>(std::span<const Triangle>, std::uint64_t memory_budget_bytes,
                                                 const GridSampler&)>
         build_with;

@@ -118,12 +118,15 @@ inline const char* name_of(const OctreeOfBsps&) {
     return "OctreeOfBsps";
 }
 
+inline const char* name_of(const GapBsp&) {
+    return "GapBsp";
+}
 template <class... H>
 std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
     return {Variant{
         std::string(name_of(typename H::partition_type{})) + ", " + approximation + ", " + H::cost_model_type::unit,
         H::assignment == Assignment::shared, H::assignment == Assignment::clipped,
-        H::approximation_type::facts.stands_in,
+        H::approximation_type::facts.stands_in, H::partition_type::facts.children_are_octants,
         [](std::span<const Triangle> triangles, std::uint64_t memory_budget_bytes, const GridSampler& sampler) {
             return std::unique_ptr<AnyHierarchy>(std::make_unique<HierarchyOver<H>>(
                 build<H>(triangles, {.sampler = sampler, .memory_budget_bytes = memory_budget_bytes}), triangles));

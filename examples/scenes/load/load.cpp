@@ -6,6 +6,7 @@
 
 #include "scenes/light.hpp"
 #include "scenes/load/load_detail.hpp"
+#include "scenes/load/points.hpp"
 
 namespace farfield::scenes {
 namespace detail {
@@ -64,7 +65,7 @@ namespace {
 
 using detail::Loaded;
 
-enum class Format { off, ply, obj, gltf, pdb, mmcif, xyz, lammps_dump, lammps_data, height_field };
+enum class Format { off, ply, obj, gltf, pdb, mmcif, xyz, pts, pcd, lammps_dump, lammps_data, height_field };
 
 std::string lower(std::string text) {
     for (char& c : text) {
@@ -78,22 +79,13 @@ std::filesystem::path unpacked_name(const std::filesystem::path& file) {
     return lower(file.extension().string()) == ".gz" ? file.stem() : file.filename();
 }
 
-constexpr std::pair<std::string_view, Format> extensions[] = {{".off", Format::off},
-                                                              {".oogl", Format::off},
-                                                              {".ply", Format::ply},
-                                                              {".obj", Format::obj},
-                                                              {".gltf", Format::gltf},
-                                                              {".glb", Format::gltf},
-                                                              {".pdb", Format::pdb},
-                                                              {".ent", Format::pdb},
-                                                              {".cif", Format::mmcif},
-                                                              {".mmcif", Format::mmcif},
-                                                              {".xyz", Format::xyz},
-                                                              {".dump", Format::lammps_dump},
-                                                              {".lammpstrj", Format::lammps_dump},
-                                                              {".data", Format::lammps_data},
-                                                              {".lmp", Format::lammps_data},
-                                                              {".csv", Format::height_field}};
+constexpr std::pair<std::string_view, Format> extensions[] = {
+    {".off", Format::off},          {".oogl", Format::off},         {".ply", Format::ply},
+    {".obj", Format::obj},          {".gltf", Format::gltf},        {".glb", Format::gltf},
+    {".pdb", Format::pdb},          {".ent", Format::pdb},          {".cif", Format::mmcif},
+    {".mmcif", Format::mmcif},      {".xyz", Format::xyz},          {".pts", Format::pts},
+    {".pcd", Format::pcd},          {".dump", Format::lammps_dump}, {".lammpstrj", Format::lammps_dump},
+    {".data", Format::lammps_data}, {".lmp", Format::lammps_data},  {".csv", Format::height_field}};
 
 std::optional<Format> format_named(std::string_view extension) {
     for (const auto& [name, format] : extensions) {
@@ -105,6 +97,7 @@ std::optional<Format> format_named(std::string_view extension) {
 /// By its first lines, for files whose name does not say it.
 std::optional<Format> format_of(std::string_view bytes) {
     if (bytes.substr(0, 4) == "glTF") return Format::gltf;
+    if (bytes.substr(0, 6) == "# .PCD") return Format::pcd;
     if (bytes.substr(0, 3) == "\xef\xbb\xbf") bytes.remove_prefix(3);
     constexpr std::string_view pdb[] = {"HEADER", "TITLE ", "COMPND", "REMARK", "CRYST1", "MODEL ", "ATOM  ", "HETATM"};
     constexpr std::string_view obj[] = {"v", "vt", "vn", "f", "o", "g", "s", "mtllib", "usemtl"};
@@ -167,7 +160,12 @@ Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
         case Format::mmcif:
             return detail::read_mmcif(content, options);
         case Format::xyz:
+            if (detail::is_point_table(content)) return detail::read_point_table(content, false);
             return detail::read_xyz(content, options);
+        case Format::pts:
+            return detail::read_point_table(content, true);
+        case Format::pcd:
+            return detail::read_pcd(content);
         case Format::lammps_dump:
             return detail::read_lammps_dump(content, options);
         case Format::lammps_data:
@@ -208,6 +206,7 @@ Scene load(const std::filesystem::path& file, const LoadOptions& options) {
     scene.groups[0].triangles = std::move(loaded.triangles);
     scene.origin = loaded.origin;
     scene.notes = std::move(loaded.notes);
+    scene.is_closed = loaded.is_closed;
     return scene;
 }
 

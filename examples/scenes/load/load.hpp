@@ -28,9 +28,20 @@ struct LoadOptions {
 ///                            doubleSided says. Only alphaMode BLEND gives colors that are not opaque.
 ///     .pdb .ent .cif .mmcif  first model, first alternate location; van der Waals spheres; angstroms
 ///     .xyz                   first frame; elements, or numbered types; columns as `Properties` names them
+///     .ply .xyz .pts .pcd    clouds of points; see below
 ///     .dump .lammpstrj       LAMMPS text dump, first frame
 ///     .data .lmp             LAMMPS data file
 ///     .csv                   height field: a table of heights, or columns named x, y and z; y is up
+///
+/// Clouds are PLY files without faces, PCD files (text, binary, compressed), and tables of numbers with a point a line:
+/// .pts, and .xyz unless it is a molecule, with a symbol before each atom or a line between count and atoms. A table
+/// may begin with a count, or with names of its columns, in a comment or not. Of columns without names the numbers
+/// decide: three of unit length are a normal; three whole numbers up to 255 or fractions up to 1 are a color, the first
+/// three where several could be, but in .pts the second where an intensity comes first; one more is an intensity.
+/// Intensities become grays where there are no colors. Points with a normal are discs of 4 triangles (192 bytes),
+/// others balls of 8 (384 bytes). What a file does not say of radii and normals is taken from up to 16 neighbors;
+/// scattered points, which lie close to no plane, stay balls. Points whose coordinates are not finite, which mean that
+/// nothing was seen, are left out with a note.
 ///
 /// Coordinates are read in double precision. Where single precision would be too coarse for them, the scene has an
 /// origin of its own (Scene::origin); it looks the same near zero and far away. Polygons may be concave and have holes.
@@ -39,9 +50,9 @@ struct LoadOptions {
 /// requires) is refused by name.
 ///
 /// Throws std::runtime_error, one line "file: what is wrong", with the line, byte or index where one is known:
-/// unreadable, cut short or contradicting itself, an index out of range, a coordinate that is not finite, a scene
-/// larger than 2^100 or smaller than 2^-100, or nothing to draw. No count that a file claims is believed before the
-/// file is seen to have room for it.
+/// unreadable, cut short or contradicting itself, an index out of range, a coordinate of a mesh or an atom that is not
+/// finite, a scene larger than 2^100 or smaller than 2^-100, or nothing to draw. No count that a file claims is
+/// believed before the file is seen to have room for it.
 Scene load(const std::filesystem::path& file, const LoadOptions& options = {});
 
 }  // namespace farfield::scenes

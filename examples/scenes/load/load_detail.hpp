@@ -97,6 +97,10 @@ inline std::vector<std::string_view> words(std::string_view line) {
     return result;
 }
 
+/// The values of one line, after what `result` has already: between semicolons, commas, or tabs and spaces, the first
+/// of these that it has. With a separator that is no space two in a row have nothing between them.
+void split_values(std::string_view line, std::vector<std::string_view>& result);
+
 /// Lines one after the other, without their ends; any of LF, CR LF, CR.
 class Lines {
   public:

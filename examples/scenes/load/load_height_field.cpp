@@ -5,28 +5,32 @@
 #include "scenes/load/load_detail.hpp"
 
 namespace farfield::scenes::detail {
-namespace {
 
-/// Values between commas, semicolons, tabs or spaces. With a separator that is no space two in a row have nothing
-/// between them; nothing, "nan", "NA" and "null" are holes.
-std::vector<std::string_view> values_of(std::string_view line) {
+void split_values(std::string_view line, std::vector<std::string_view>& result) {
     line = trimmed(line);
     const char separator = line.find(';') != std::string_view::npos   ? ';'
                            : line.find(',') != std::string_view::npos ? ','
                                                                       : ' ';
-    if (separator == ' ') return words(line);
-    std::vector<std::string_view> result;
+    if (separator == ' ') return split(line, result);
     while (true) {
         const std::size_t end = std::min(line.find(separator), line.size());
         std::string_view value = trimmed(line.substr(0, end));
         if (value.size() > 1 && value.front() == '"' && value.back() == '"') value = value.substr(1, value.size() - 2);
         result.push_back(value);
-        if (end == line.size()) break;
+        if (end == line.size()) return;
         line.remove_prefix(end + 1);
     }
+}
+
+namespace {
+
+std::vector<std::string_view> values_of(std::string_view line) {
+    std::vector<std::string_view> result;
+    split_values(line, result);
     return result;
 }
 
+/// Nothing, "nan", "NA" and "null" are holes.
 constexpr double hole = std::numeric_limits<double>::quiet_NaN();
 
 std::optional<double> height(std::string_view value) {

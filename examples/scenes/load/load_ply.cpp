@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "scenes/load/load_detail.hpp"
+#include "scenes/load/points.hpp"
 #include "scenes/load/polygon.hpp"
 
 namespace farfield::scenes::detail {
@@ -242,26 +243,65 @@ void read_row(Body& body, const Element& element, std::uint64_t row, int kept_li
     }
 }
 
+/// Where the coordinates are. Throws if there are none.
+class PositionColumns {
+  public:
+    explicit PositionColumns(const Element& element)
+        : x_(element.index_of({"x"})), y_(element.index_of({"y"})), z_(element.index_of({"z"})) {
+        if (x_ < 0 || y_ < 0 || z_ < 0) throw std::runtime_error("vertices have no x, y, z");
+    }
+
+    glm::dvec3 of(const std::vector<double>& values) const {
+        return {values[static_cast<std::size_t>(x_)], values[static_cast<std::size_t>(y_)],
+                values[static_cast<std::size_t>(z_)]};
+    }
+
+  private:
+    int x_, y_, z_;
+};
+
 struct Vertices {
     std::vector<glm::dvec3> positions;
     std::vector<Rgba8> colors;  // empty if there are none
 };
 
 void read_vertices(Body& body, const Element& element, Vertices& vertices) {
-    const int x = element.index_of({"x"}), y = element.index_of({"y"}), z = element.index_of({"z"});
-    if (x < 0 || y < 0 || z < 0) throw std::runtime_error("vertices have no x, y, z");
+    const PositionColumns position(element);
     ColorColumns columns(element);
     std::vector<double> values, unused;
     std::vector<RawColor> colors;
     vertices.positions.reserve(static_cast<std::size_t>(element.count));
     for (std::uint64_t row = 0; row < element.count; ++row) {
         read_row(body, element, row, -1, values, unused);
-        const glm::dvec3 p(values[static_cast<std::size_t>(x)], values[static_cast<std::size_t>(y)],
-                           values[static_cast<std::size_t>(z)]);
-        vertices.positions.push_back(finite(p, "vertex", static_cast<std::size_t>(row)));
+        vertices.positions.push_back(finite(position.of(values), "vertex", static_cast<std::size_t>(row)));
         if (columns.present()) colors.push_back(columns.color(values));
     }
     for (const RawColor& color : colors) vertices.colors.push_back(columns.resolved(color));
+}
+
+/// Vertices that no element makes anything of.
+void read_points(Body& body, const Element& element, Cloud& cloud) {
+    const PositionColumns position(element);
+    ColorColumns columns(element);
+    const int nx = element.index_of({"nx", "normal_x"}), ny = element.index_of({"ny", "normal_y"}),
+              nz = element.index_of({"nz", "normal_z"});
+    const int radius = element.index_of({"radius"}),
+              intensity = element.index_of({"intensity", "scalar_intensity", "scalar_Intensity", "reflectance"});
+    const auto at = [](const std::vector<double>& values, int column) {
+        return static_cast<float>(values[static_cast<std::size_t>(column)]);
+    };
+    std::vector<double> values, unused;
+    std::vector<RawColor> colors;
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+        read_row(body, element, row, -1, values, unused);
+        cloud.positions.push_back(position.of(values));
+        if (columns.present()) colors.push_back(columns.color(values));
+        if (nx >= 0 && ny >= 0 && nz >= 0) cloud.normals.push_back({at(values, nx), at(values, ny), at(values, nz)});
+        if (radius >= 0) cloud.radii.push_back(at(values, radius));
+        if (intensity >= 0) cloud.intensities.push_back(at(values, intensity));
+    }
+    for (const RawColor& color : colors) cloud.colors.push_back(columns.resolved(color));
+    if (element.index_of({"f_dc_0"}) >= 0) cloud.notes.push_back("Gaussian splats are drawn as plain points");
 }
 
 /// What a list of vertices stands for.
@@ -391,6 +431,14 @@ class FaceReader {
     Triangulator triangulator_;
 };
 
+bool has_faces(const Header& header) {
+    return std::any_of(header.elements.begin(), header.elements.end(), [](const Element& element) {
+        const bool names_vertices =
+            element.name != "range_grid" && element.index_of({"vertex_indices", "vertex_index"}) >= 0;
+        return element.count > 0 && (shape_of(element) || names_vertices);
+    });
+}
+
 void skip_rows(Body& body, const Element& element) {
     std::vector<double> values, unused;
     for (std::uint64_t row = 0; row < element.count; ++row) read_row(body, element, row, -1, values, unused);
@@ -410,6 +458,8 @@ Loaded read_ply(std::string_view bytes) {
     Body body(bytes, rest, header.format);
     Vertices vertices;
     Mesh mesh;
+    Cloud cloud;
+    const bool is_cloud = !has_faces(header);
     bool seen_vertices = false;
     for (const Element& element : header.elements) {
         std::uint64_t least = 0;
@@ -419,7 +469,11 @@ Loaded read_ply(std::string_view bytes) {
         const std::optional<Shape> shape = shape_of(element);
         if (element.name == "vertex" || element.name == "vertices") {
             if (element.count > std::uint32_t(-1)) throw std::runtime_error("more than 4,294,967,295 vertices");
-            read_vertices(body, element, vertices);
+            if (is_cloud) {
+                read_points(body, element, cloud);
+            } else {
+                read_vertices(body, element, vertices);
+            }
             seen_vertices = true;
         } else if (shape && element.count > 0) {
             if (!seen_vertices) throw std::runtime_error("faces come before vertices");
@@ -432,6 +486,7 @@ Loaded read_ply(std::string_view bytes) {
             skip_rows(body, element);
         }
     }
+    if (!cloud.positions.empty()) return drawn(std::move(cloud));
     mesh.positions = std::move(vertices.positions);
     return in_single_precision(mesh);
 }

@@ -26,6 +26,8 @@ struct Loaded {
     std::vector<std::string> notes{};
     /// The light, if it was asked for, is in the colors already.
     bool lit = false;
+    /// See Scene::is_closed.
+    bool is_closed = false;
 };
 
 /// The point to subtract, in double precision, from all that lies in `box` before it is rounded to single precision.

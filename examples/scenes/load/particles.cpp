@@ -65,6 +65,7 @@ Loaded drawn(Particles particles, const LoadOptions& options) {
     for (const Particle& particle : particles.all) box.add(particle.center);
     Loaded loaded;
     loaded.lit = true;
+    loaded.is_closed = true;
     loaded.notes = std::move(particles.notes);
     loaded.origin = origin_of(box);
     check_size(box);

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "farfield/approximation.hpp"
+#include "farfield/cost_model.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/partition.hpp"
 
@@ -35,5 +37,18 @@ struct BuildNode {
     std::uint8_t levels_replaced = 0;      ///< as Node's
     bool is_pruned = false;
 };
+
+/// What a cell's items must cost more than to be split into `children`. "The cost of rendering the primitives is no
+/// more than the cost of rendering the color-cube approximations of the children" (1996, section 4): then a cell is not
+/// split. Where nothing stands in there is nothing to compare with, and a split must earn by culling: a cell on the
+/// frustum's border is half outside on average.
+template <Approximation A, CostModel C>
+float least_cost_to_split(const A& approximation, const C& cost, float children) {
+    if constexpr (A::facts.stands_in) {
+        return children * cost.cost(approximation.expected_work());
+    } else {
+        return 2 * children * cost.cost({.cells = 1, .runs = 1});
+    }
+}
 
 }  // namespace farfield::detail

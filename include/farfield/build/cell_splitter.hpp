@@ -116,6 +116,9 @@ class CellSplitter {
         control_.report(BuildPhase::splitting, kept_.size(), kept_.size() + items_.size());
     }
 
+    /// Among the targets: a cell that is split does not hold the item.
+    static constexpr std::uint16_t elsewhere = 1u << 8;
+
     struct LevelNode {
         std::array<std::size_t, 8> count{}, next_to{};
         std::size_t kept = 0, kept_to = 0;
@@ -130,14 +133,16 @@ class CellSplitter {
         std::size_t kept = 0;
         if (splits) {
             struct Emit {
-                std::uint8_t& mask;
-                void operator()(unsigned child) const { mask = std::uint8_t(mask | 1u << child); }
+                std::uint16_t& target;
+                void operator()(unsigned child) const { target = std::uint16_t(target | 1u << child); }
                 void keep() const {}
+                void drop() const requires(items_are_shared) { target = elsewhere; }
             };
             for (std::size_t i = 0; i < items.size(); ++i) {
-                std::uint8_t mask = 0;
+                std::uint16_t mask = 0;
                 partition_.place(node.cell, std::as_const(node.data), items[i], touches(items[i].source), Emit{mask});
                 targets_[node.first + i] = mask;
+                if (mask == elsewhere) continue;
                 if (mask == 0) {
                     ++kept;
                     kept_cost += items[i].cost;
@@ -172,19 +177,11 @@ class CellSplitter {
             for (const Item& item : items) node.cost += item.cost;
         }
         if (node.answer == Split::too_deep) l.too_deep = pays(node.cost, 1);
+        if (node.answer == Split::inseparable) l.one_place = pays(node.cost, 2);
     }
 
-    /// "The cost of rendering the primitives is no more than the cost of rendering the color-cube approximations of the
-    /// children" (1996, section 4): then a cell is not split. Where nothing stands in there is nothing to compare with,
-    /// and a split must earn by culling: a cell on the frustum's border is half outside on average.
     bool pays(float rest_cost, float children) const {
-        if constexpr (Partition_::facts.splits_for_order) {
-            return true;
-        } else if constexpr (A::facts.stands_in) {
-            return rest_cost > children * cost_.cost(approximation_.expected_work());
-        } else {
-            return 0.5f * rest_cost > children * cost_.cost({.cells = 1, .runs = 1});
-        }
+        return Partition_::facts.splits_for_order || rest_cost > least_cost_to_split(approximation_, cost_, children);
     }
 
     /// A single child with all the items is progress only if a later split can tell them apart; children that each get
@@ -235,7 +232,8 @@ class CellSplitter {
             const Draft& node = drafts_[n];
             if (node.is_leaf) continue;
             for (std::size_t i = node.first; i < node.first + node.count; ++i) {
-                if (targets_[i] != 0) cells_with_[items_[i].source] += std::uint32_t(std::popcount(targets_[i])) - 1;
+                const unsigned children = targets_[i] == elsewhere ? 0u : unsigned(std::popcount(targets_[i]));
+                if (targets_[i] != 0) cells_with_[items_[i].source] += children - 1;
             }
         }
     }
@@ -246,6 +244,7 @@ class CellSplitter {
             Item item = items_[i];
             if constexpr (items_are_shared) item.cost = whole_cost_[item.source] / float(cells_with_[item.source]);
             const unsigned mask = node.is_leaf ? 0u : targets_[i];
+            if (mask == elsewhere) continue;
             if (mask == 0) kept_[kept_to++] = item.source;
             for (unsigned m = mask; m != 0; m &= m - 1) next_items_[l.next_to[unsigned(std::countr_zero(m))]++] = item;
         }
@@ -269,7 +268,7 @@ class CellSplitter {
     std::vector<Draft> drafts_;  ///< level after level
     std::size_t level_begin_ = 0;
     std::vector<Item> items_, next_items_;  ///< of this level and the next
-    std::vector<std::uint8_t> targets_;     ///< which children get an item; 0: it stays
+    std::vector<std::uint16_t> targets_;    ///< which children get an item; 0: it stays
     std::vector<std::uint32_t> kept_;       ///< primitives in their last place, by level
     std::vector<float> whole_cost_;         ///< shared items only
     std::vector<std::uint32_t> cells_with_;

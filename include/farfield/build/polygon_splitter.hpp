@@ -31,11 +31,12 @@ class PolygonSplitter {
     using Branch = PolygonSubtree<Partition_>;
     using Draft = typename Branch::Draft;
 
-    PolygonSplitter(std::span<const P> primitives, const Partition_& partition, const A&, const C& cost,
+    PolygonSplitter(std::span<const P> primitives, const Partition_& partition, const A& approximation, const C& cost,
                     const BuildBudget& budget, const BuildControl& control, HierarchyData<Partition_, A>& data)
         : primitives_(primitives),
           partition_(partition),
           cost_(cost),
+          least_cost_(Partition_::facts.splits_for_order ? -1.0f : least_cost_to_split(approximation, cost, 2)),
           budget_(budget),
           control_(control),
           data_(data) {}
@@ -53,7 +54,7 @@ class PolygonSplitter {
         const typename Branch::Budget budget{
             most_pieces, budget_.memory_bytes,
             sizeof(Node) + stored_size<typename Partition_::node_data> + stored_size<typename A::stand_in_data>,
-            sizeof(std::uint32_t)};
+            sizeof(std::uint32_t), least_cost_};
         // With a budget of memory all cells are compared with it, one by one. A single part is not put off either: it
         // would be silent until it ends.
         const bool puts_off = budget.bytes == 0 && polygons > small_branch;
@@ -113,7 +114,8 @@ class PolygonSplitter {
             below.size(),
             [&](std::size_t i) {
                 const double most = std::min((1 + share) * double(leaf(i).count), 0x1p62);
-                below[i].grow(leaf(i).cell, top.deferred[i].contents, 0, {.pieces = std::uint64_t(most)},
+                below[i].grow(leaf(i).cell, top.deferred[i].contents, 0,
+                              {.pieces = std::uint64_t(most), .least_cost = least_cost_},
                               [](std::size_t, std::size_t) {});
             },
             [&](std::size_t begin, std::size_t end) {
@@ -127,7 +129,8 @@ class PolygonSplitter {
             if (below[i].report.cells_over_piece_budget == 0) continue;
             pieces -= below[i].kept.size();
             below[i] = Branch(partition_, planes);
-            below[i].grow(leaf(i).cell, top.deferred[i].contents, 0, {.pieces = left(pieces)},
+            below[i].grow(leaf(i).cell, top.deferred[i].contents, 0,
+                          {.pieces = left(pieces), .least_cost = least_cost_},
                           [&](std::size_t, std::size_t) { control_.report(BuildPhase::splitting, done, all); });
             pieces += below[i].kept.size();
         }
@@ -202,6 +205,7 @@ class PolygonSplitter {
     std::span<const P> primitives_;
     const Partition_& partition_;
     const C& cost_;
+    float least_cost_;
     BuildBudget budget_;
     const BuildControl& control_;
     HierarchyData<Partition_, A>& data_;

@@ -31,6 +31,7 @@ class PolygonSubtree {
         std::uint64_t pieces = unlimited;
         std::uint64_t bytes = 0;           ///< 0: no limit
         std::uint64_t node = 0, item = 0;  ///< bytes of one
+        float least_cost = -1;             ///< what a cell must cost more than to be split; not where order asks for it
     };
     /// Polygons and instances, with the corners that they refer to.
     struct Contents {
@@ -77,7 +78,7 @@ class PolygonSubtree {
             if (drafts[n].count > small_count) {
                 const bool is_spent =
                     budget.bytes != 0 && drafts.size() * budget.node + pieces * budget.item > budget.bytes;
-                divide(n, is_spent, pieces >= budget.pieces);
+                divide(n, is_spent, pieces >= budget.pieces, budget.least_cost);
             } else {
                 put_off(n);
             }
@@ -93,16 +94,17 @@ class PolygonSubtree {
   private:
     static constexpr std::size_t items_a_step = std::size_t(1) << 14;
 
-    void divide(std::uint32_t n, bool has_no_bytes, bool has_no_pieces) {
+    void divide(std::uint32_t n, bool has_no_bytes, bool has_no_pieces, float least_cost) {
         const ClippedItems items(items_of(n), corners_, planes_);
         Draft& node = drafts[n];
         node.answer = items.size() == 0 ? Split::no : partition_->choose(node.cell, items, node.data);
+        if (node.answer == Split::yes && !(cost_of(items_of(n)) > least_cost)) node.answer = Split::no;
         const bool would_split = node.answer == Split::yes || node.answer == Split::always;
         if (would_split && !has_no_bytes && !has_no_pieces) {
             cut(n);
             return;
         }
-        report.cells_out_of_order += node.answer != Split::no;
+        if (Partition_::facts.splits_for_order) report.cells_out_of_order += node.answer != Split::no;
         report.cells_over_memory_budget += would_split && has_no_bytes;
         report.cells_over_piece_budget += would_split && has_no_pieces;
         report.cells_at_depth_limit += node.answer == Split::too_deep;
@@ -118,6 +120,12 @@ class PolygonSubtree {
         return std::span(corners_).subspan(item.first_corner, item.corners);
     }
 
+    static float cost_of(std::span<const ClippedItem> items) {
+        float sum = 0;
+        for (const ClippedItem& i : items) sum += i.corners == 0 ? i.cost : i.cost * float(i.corners - 2);
+        return sum;
+    }
+
     void keep(std::uint32_t n) {
         Draft& node = drafts[n];
         for (const ClippedItem& item : items_of(n)) {
@@ -127,8 +135,8 @@ class PolygonSubtree {
                 fragments.colors.push_back(c.color);
             }
             fragments.first_vertex.push_back(std::uint32_t(fragments.vertices.size()));
-            node.cost += item.corners == 0 ? item.cost : item.cost * float(item.corners - 2);
         }
+        node.cost = cost_of(items_of(n));
         items_.resize(node.first);
         node.first = kept.size() - node.count;
     }

@@ -14,6 +14,7 @@
 #include <span>
 
 #include "farfield/partition.hpp"
+#include "farfield/partition/child_boxes.hpp"
 #include "farfield/partition/plane_choice.hpp"
 
 namespace farfield {
@@ -27,10 +28,10 @@ struct PolygonBsp {
     /// building gets 26, 24 and 23 % more pieces than polygons, leaves of a tree 209, 211 and 212 %.
     float price_of_cut = 2;
 
-    /// The plane, and the bounds of the children behind and in front in 1/255 of the cell's own, rounded outwards.
+    /// The plane, and the bounds of the children behind and in front.
     struct node_data {
         CuttingPlane plane;
-        std::array<glm::u8vec3, 2> lower, upper;
+        detail::ChildBoxes boxes;
     };
     static_assert(sizeof(node_data) == 28 || !vectors_are_packed);
     static constexpr PartitionFacts facts{.offers = Assignment::clipped,
@@ -50,7 +51,7 @@ struct PolygonBsp {
     Cell root(const Box& bounds) const {
         Cell cell;
         for (int axis = 0; axis < 3 && !bounds.is_empty(); ++axis) {
-            put_around(bounds.lower[axis], bounds.upper[axis], axis, cell);
+            detail::put_around(bounds.lower[axis], bounds.upper[axis], axis, cell);
         }
         return cell;
     }
@@ -66,26 +67,8 @@ struct PolygonBsp {
 
     void fit(const Cell& cell, node_data& data, std::span<const Box> children) const {
         const Box parent = cell.bounds();
-        for (const unsigned side : {0u, 1u}) {
-            const Box& child = children[side == 0 ? behind : in_front];
-            data.lower[side] = glm::u8vec3(0);
-            data.upper[side] = glm::u8vec3(255);
-            if (child.is_empty()) continue;
-            for (int axis = 0; axis < 3; ++axis) {
-                const float from = parent.lower[axis], to = parent.upper[axis];
-                const float steps = to > from ? 255 / (to - from) : 0.0f;
-                // Where the cell is so thin that steps are infinite, a NaN is step 0.
-                const auto step = [&](float p) {
-                    const float s = (p - from) * steps;
-                    return std::uint8_t(s > 0 ? std::min(s, 255.0f) : 0.0f);
-                };
-                std::uint8_t lower = step(child.lower[axis]), upper = step(child.upper[axis]);
-                while (lower > 0 && at(from, to, lower) > child.lower[axis]) --lower;
-                while (upper < 255 && at(from, to, upper) < child.upper[axis]) ++upper;
-                data.lower[side][axis] = lower;
-                data.upper[side][axis] = upper;
-            }
-        }
+        data.boxes.fit(parent, 0, children[behind]);
+        data.boxes.fit(parent, 1, children[in_front]);
     }
 
     Cell child(const Cell& parent, const node_data& data, unsigned i) const {
@@ -97,9 +80,8 @@ struct PolygonBsp {
             const Box box = parent.bounds();
             const std::size_t side = i == behind ? 0 : 1;
             for (int axis = 0; axis < 3; ++axis) {
-                const float lower = at(box.lower[axis], box.upper[axis], data.lower[side][axis]);
-                const float upper = at(box.lower[axis], box.upper[axis], data.upper[side][axis]);
-                put_around(lower, upper, axis, cell);
+                detail::put_around(data.boxes.lower_of(box, side, axis), data.boxes.upper_of(box, side, axis), axis,
+                                   cell);
             }
         }
         cell.depth = std::uint16_t(parent.depth + 1);
@@ -129,17 +111,6 @@ struct PolygonBsp {
 
   private:
     static constexpr std::uint16_t flat = 1;
-
-    static float at(float from, float to, std::uint8_t step) {
-        return step == 0 ? from : step == 255 ? to : from + (to - from) * (float(step) * (1.0f / 255));
-    }
-
-    /// Makes the cell a step wider than the box, so that center and half side hold it after rounding.
-    static void put_around(float lower, float upper, int axis, Cell& cell) {
-        const float center = Box{glm::vec3(lower), glm::vec3(upper)}.center().x;
-        cell.center[axis] = cell.bounds_center[axis] = center;
-        cell.half[axis] = cell.bounds_half[axis] = std::max(center - lower, upper - center) * (1 + 0x1p-22f);
-    }
 };
 
 }  // namespace farfield

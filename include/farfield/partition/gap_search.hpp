@@ -1,0 +1,266 @@
+// The best gap between things along a line: the scan of two sorted lists of Shade et al. 1996, section 4.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace farfield::detail {
+
+/// What a thing takes up along a line.
+struct Extent {
+    float lower = 0, upper = 0;
+    float weight = 0;     ///< its share in the balance
+    bool blocks = false;  ///< no plane may cross it
+};
+
+/// A place for a plane. What ends at `at` or before lies behind it, what begins there or after lies in front.
+struct Gap {
+    float at = 0;
+    float price = std::numeric_limits<float>::infinity();  ///< infinite: there is none
+    std::size_t active = 0;                                ///< things that cross it
+    float length = 0;                                      ///< of all things together
+
+    bool is_found() const { return price < std::numeric_limits<float>::infinity(); }
+};
+
+/// Gaps are where something ends and something else begins next: there the number of things that a plane crosses is a
+/// local minimum. The price of one is (1 + price_of_split * things crossed) / balance, where the balance is 4 a (1 - a)
+/// and `a` the share of the weight behind it, half of what is crossed included. (The paper leaves the function open. A
+/// quotient needs no other weight where there are more things: a plane of twice the use may cross twice as many.)
+///
+/// Sorting everything for every plane would take n log^2 n for a tree. So things are counted in bins first, each of
+/// which tells what a gap in it could cost at the least, and only the most promising ones are sorted, up to an eighth
+/// of the whole.
+class GapSearch {
+  public:
+    /// `most_active`: planes that cross a larger share of the things are none.
+    GapSearch(float price_of_split, float most_active) : price_of_split_(price_of_split), most_active_(most_active) {}
+
+    Gap best(std::span<const Extent> things) {
+        things_ = things;
+        best_ = {};
+        if (things.size() < 2) return best_;
+        float first = things[0].lower, last = things[0].upper;
+        double weight = 0;
+        for (const Extent& e : things) {
+            first = std::min(first, e.lower);
+            last = std::max(last, e.upper);
+            weight += double(e.weight);
+        }
+        best_.length = last - first;
+        counts_as_one_ = !(weight > 0);
+        per_weight_ = 1 / (counts_as_one_ ? double(things.size()) : weight);
+        most_crossed_ = std::size_t(double(most_active_) * double(things.size()));
+        bins_ = std::min(things.size(), most_bins);
+        const float bins_per_unit = float(bins_) / (last - first);
+        if (things.size() <= few || !std::isfinite(bins_per_unit)) {
+            take_all();
+        } else {
+            take_bins(first, bins_per_unit);
+        }
+        return best_;
+    }
+
+  private:
+    static constexpr std::size_t few = 32, most_bins = 256, most_lists = 128, few_bounds = 256;
+    static constexpr float infinity = std::numeric_limits<float>::infinity();
+
+    /// An end of a thing.
+    struct Bound {
+        float at, weight;
+        bool blocks, is_flat;
+    };
+    /// Things that began or ended so far.
+    struct Counts {
+        double weight = 0;
+        std::uint32_t things = 0, blocking = 0;
+
+        void add(const Bound& b) {
+            weight += double(b.weight);
+            ++things;
+            blocking += b.blocks;
+        }
+        void add(const Counts& c) {
+            weight += c.weight;
+            things += c.things;
+            blocking += c.blocking;
+        }
+    };
+    struct State {
+        Counts begun, ended;
+    };
+    /// Small, so that all of them stay in the nearest cache.
+    struct Bin {
+        Counts begun{}, ended{};
+        float first_begin = infinity, first_end = infinity;
+    };
+    /// A bin that may hold the best gap.
+    struct Promise {
+        float least_price;
+        std::uint32_t bin;
+        State before;
+    };
+    struct Lists {
+        std::vector<Bound> begins, ends;
+    };
+
+    Bound begin_of(const Extent& e) const {
+        return {e.lower, counts_as_one_ ? 1.0f : e.weight, e.blocks, e.lower == e.upper};
+    }
+    Bound end_of(const Extent& e) const {
+        return {e.upper, counts_as_one_ ? 1.0f : e.weight, e.blocks, e.lower == e.upper};
+    }
+
+    void take_all() {
+        Lists& l = lists_[0];
+        l.begins.clear();
+        l.ends.clear();
+        for (const Extent& e : things_) {
+            l.begins.push_back(begin_of(e));
+            l.ends.push_back(end_of(e));
+        }
+        scan(l, {}, infinity);
+    }
+
+    // --- many
+
+    void take_bins(float first, float bins_per_unit) {
+        const auto bin_of = [&](float at) {
+            return std::uint8_t(std::min(std::uint32_t((at - first) * bins_per_unit), std::uint32_t(bins_ - 1)));
+        };
+        bin_.assign(bins_, Bin{});
+        places_.resize(things_.size());
+        for (std::size_t i = 0; i < things_.size(); ++i) {
+            const Extent& e = things_[i];
+            places_[i] = {bin_of(e.lower), bin_of(e.upper)};
+            Bin& b = bin_[places_[i][0]];
+            b.begun.add(begin_of(e));
+            b.first_begin = std::min(b.first_begin, e.lower);
+            Bin& d = bin_[places_[i][1]];
+            d.ended.add(end_of(e));
+            d.first_end = std::min(d.first_end, e.upper);
+        }
+        promises_.clear();
+        State state;
+        for (std::size_t i = 0; i < bins_; ++i) {
+            const State before = state;
+            state.begun.add(bin_[i].begun);
+            state.ended.add(bin_[i].ended);
+            if (bin_[i].ended.things == 0) continue;
+            const float least = least_price(before, state);
+            if (least < infinity) promises_.push_back({least, std::uint32_t(i), before});
+        }
+        const std::size_t lists = choose_bins();
+        for (std::size_t i = 0; i < things_.size() && lists != 0; ++i) {
+            const std::uint8_t begin = list_[places_[i][0]], end = list_[places_[i][1]];
+            if (begin != 0) lists_[begin - 1u].begins.push_back(begin_of(things_[i]));
+            if (end != 0) lists_[end - 1u].ends.push_back(end_of(things_[i]));
+        }
+        for (std::size_t l = 0; l < lists; ++l) {
+            const Promise& p = promises_[l];
+            if (p.least_price < best_.price) scan(lists_[l], p.before, next_begin(p.bin + 1));
+        }
+    }
+
+    /// No gap in the bin costs less: at best everything that ends in it has ended, and the balance is the best that is
+    /// met on the way.
+    float least_price(const State& before, const State& after) const {
+        const std::size_t open = before.begun.things - before.ended.things,
+                          ends = after.ended.things - before.ended.things, crossed = open > ends ? open - ends : 0;
+        const double from = share(before), to = share(after);
+        return price(crossed, from > 0.5 ? from : std::min(to, 0.5));
+    }
+
+    /// Numbers the lists of the most promising bins; returns how many there are.
+    std::size_t choose_bins() {
+        std::sort(promises_.begin(), promises_.end(), [](const Promise& a, const Promise& b) {
+            return a.least_price != b.least_price ? a.least_price < b.least_price : a.bin < b.bin;
+        });
+        list_.fill(0);
+        std::size_t lists = 0, bounds = 0;
+        for (const Promise& p : promises_) {
+            if (lists == most_lists || (lists != 0 && bounds > std::max(things_.size() / 4, few_bounds))) break;
+            bounds += bin_[p.bin].begun.things + bin_[p.bin].ended.things;
+            list_[p.bin] = std::uint8_t(++lists);
+        }
+        for (std::size_t l = 0; l < lists; ++l) {
+            lists_[l].begins.clear();
+            lists_[l].ends.clear();
+        }
+        return lists;
+    }
+
+    /// Where something begins after a bin before anything ends; infinity if something ends first, which makes a better
+    /// gap than one before it.
+    float next_begin(std::size_t bin) const {
+        while (bin < bins_ && bin_[bin].begun.things + bin_[bin].ended.things == 0) ++bin;
+        if (bin == bins_) return infinity;
+        return bin_[bin].first_begin <= bin_[bin].first_end ? bin_[bin].first_begin : infinity;
+    }
+
+    // --- the scan
+
+    /// Goes through sorted bounds from what came before them; `next` is where something begins after them. At one place
+    /// things without extent come first, whole, then all that end there, then all that begin: to touch is not to
+    /// overlap.
+    void scan(Lists& lists, State state, float next) {
+        std::vector<Bound>&begins = lists.begins, &ends = lists.ends;
+        std::sort(begins.begin(), begins.end(),
+                  [](const Bound& a, const Bound& b) { return a.at != b.at ? a.at < b.at : a.is_flat && !b.is_flat; });
+        std::sort(ends.begin(), ends.end(), [](const Bound& a, const Bound& b) { return a.at < b.at; });
+        std::size_t b = 0;
+        for (std::size_t e = 0; e < ends.size();) {
+            const float end = ends[e].at;
+            while (b < begins.size() && (begins[b].at < end || (begins[b].at == end && begins[b].is_flat))) {
+                state.begun.add(begins[b++]);
+            }
+            while (e < ends.size() && ends[e].at == end) state.ended.add(ends[e++]);
+            const float begin = b < begins.size() ? begins[b].at : next;
+            if (begin < infinity && !(e < ends.size() && ends[e].at < begin)) offer(state, end, begin);
+        }
+    }
+
+    void offer(const State& state, float end, float begin) {
+        if (state.ended.things == 0 || state.begun.things == things_.size()) return;
+        if (state.begun.blocking != state.ended.blocking) return;
+        const std::size_t crossed = state.begun.things - state.ended.things;
+        const float p = price(crossed, share(state));
+        if (!(p < best_.price)) return;
+        // In the middle, as long as rounding leaves it before the next begin.
+        const float middle = end * 0.5f + begin * 0.5f;
+        best_.at = end < middle && middle < begin ? middle : end;
+        best_.price = p;
+        best_.active = crossed;
+    }
+
+    double share(const State& s) const { return 0.5 * (s.begun.weight + s.ended.weight) * per_weight_; }
+    float price(std::size_t crossed, double share) const {
+        if (crossed > most_crossed_) return infinity;
+        // Next to nothing on one side is still worth something.
+        const double balance = std::max(4 * share * (1 - share), 1e-9);
+        return float((1 + double(price_of_split_) * double(crossed)) / balance);
+    }
+
+    float price_of_split_, most_active_;
+    std::span<const Extent> things_{};
+    Gap best_{};
+    bool counts_as_one_ = false;  ///< nothing weighs anything
+    double per_weight_ = 0;
+    std::size_t most_crossed_ = 0, bins_ = 0;
+    std::vector<Bin> bin_{};
+    std::vector<std::array<std::uint8_t, 2>> places_{};  ///< bins of each thing's ends
+    std::vector<Promise> promises_{};                    ///< best first
+    std::array<std::uint8_t, most_bins> list_{};         ///< of a bin: 1 and more where its bounds are sorted
+    std::array<Lists, most_lists> lists_{};
+};
+
+}  // namespace farfield::detail
