@@ -21,6 +21,8 @@ constexpr Variant table[] = {
     {"bsp", "binary space partition, strictly front to back (Fuchs et al. 1980, as Greene 1996 draws it)", bsp},
     {"octree-of-bsps", "octree of such partitions (Greene 1996, section 5.1)", octree_of_bsps},
     {"gap-bsp", "every triangle in the frustum, planes in gaps between things (Shade et al. 1996)", gap_bsp},
+    {"image-cache", "images of cells, reused from frame to frame (Shade et al. 1996)", image_cache},
+    {"image-cache-lod", "likewise, of what opacity-tensor draws", image_cache_lod},
 #endif
 };
 

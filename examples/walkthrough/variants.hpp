@@ -51,5 +51,7 @@ Recipe sample_tree_splats();
 Recipe bsp();
 Recipe octree_of_bsps();
 Recipe gap_bsp();
+Recipe image_cache();
+Recipe image_cache_lod();
 
 }  // namespace walkthrough

@@ -28,6 +28,7 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -57,6 +58,7 @@ struct ApproximationFacts {
     bool compares = false;            ///< ComparesWithChildren is required; not where there is a pool
     bool provides_area_law = false;   ///< ProvidesAreaLaw is required; only where cells have stand-ins
     bool samples_primitives = false;  ///< SamplesPrimitives is required; only where cells have stand-ins
+    bool caches_images = false;       ///< CachesImages is required: viewers draw cells by images of them
     std::uint32_t file_tag = 0;  ///< names the policy in files; change it with the meaning of the data. 0: never stored
 };
 
@@ -196,9 +198,55 @@ concept SamplesPrimitives = A::facts.accepts == Assignments(Assignment::unique) 
     { a.sampled(data, SampledCell{}) } -> std::same_as<typename A::stand_in_data>;
 };
 
+/// How a viewer keeps images of cells (Shade et al. 1996; frame/kept_images.hpp). Thresholds are those of the view that
+/// is drawn, whatever view an image was made for.
+struct ImageCacheOptions {
+    /// An image is drawn while nothing in it is displaced by more than this many pixels of the picture's center: the
+    /// paper's threshold. View::tolerance_px is that of what else stands in.
+    float threshold_px = 2;
+    /// The paper looks at the corners of a cell, and at the picture's center. True: no point of the cell, anywhere in
+    /// the picture, is displaced by more (frame/safety_zone.hpp).
+    bool is_conservative = false;
+    /// Depth slices an image is made of, 1 to 8: the error falls with their number, and texels become more.
+    int slices = 1;
+    int samples = 1;  ///< a pixel that images are made with, as the renderer counts them
+    /// Images of what instances hold, and of nothing else: a surface beside them, as terrain is, has no cracks.
+    bool of_instances_only = false;
+    /// Subtrees of fewer items get no image of their own; those that hold instances may.
+    std::uint32_t least_items = 1024;
+    std::uint64_t budget_bytes = std::uint64_t(64) << 20;  ///< of all images of one viewer; never exceeded
+    std::uint32_t most_made = 4096;                        ///< images a frame; other cells are drawn as they are
+    /// The work of making images may exceed that of drawing what they show, in a frame, by this part of the frame's
+    /// work: an image shows all of a cell where the picture shows a part.
+    float most_overhead = 0.25f;
+    /// Texels are at most so many times larger, or smaller, than pixels.
+    float most_magnified = 1.3f, most_minified = 1.7f;
+
+    /// Null, or what is wrong.
+    const char* wrong_option() const {
+        const auto is_number = [](float v) { return v >= 0 && v <= std::numeric_limits<float>::max(); };
+        if (!is_number(threshold_px)) return "ImageCache: threshold_px must be 0 or more and finite";
+        if (slices < 1 || slices > most_slices) return "ImageCache: slices must be 1 to 8";
+        if (samples < 1) return "ImageCache: samples must be 1 or more";
+        if (!is_number(most_overhead)) return "ImageCache: most_overhead must be 0 or more and finite";
+        if (!(most_magnified >= 1 && most_minified >= 1))
+            return "ImageCache: most_magnified and most_minified must be 1 or more";
+        return nullptr;
+    }
+    static constexpr int most_slices = 8;
+};
+
+/// images() says how a viewer keeps images of cells that this approximation draws.
+template <class A>
+concept CachesImages = requires(const A& a) {
+    { a.images() } -> std::same_as<const ImageCacheOptions&>;
+};
+
 namespace detail {
 template <class A>
 concept SamplesPrimitivesIfStated = !A::facts.samples_primitives || (A::facts.stands_in && SamplesPrimitives<A>);
+template <class A>
+concept CachesImagesIfStated = !A::facts.caches_images || CachesImages<A>;
 template <class A>
 concept FinishesAndDrawsAsStated = (A::facts.has_pool && FinishesAndDrawsFromPool<A>) ||
                                    (!A::facts.has_pool && FinishesAndDraws<A>);
@@ -217,7 +265,7 @@ concept ProvidesAreaLawIfStated = !A::facts.provides_area_law || (A::facts.stand
 template <class A>
 concept Approximation = StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> &&
     detail::MergesOctantsIfStated<A> && detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> &&
-    detail::ProvidesAreaLawIfStated<A> && detail::SamplesPrimitivesIfStated<A>;
+    detail::ProvidesAreaLawIfStated<A> && detail::SamplesPrimitivesIfStated<A> && detail::CachesImagesIfStated<A>;
 
 // --- the one place where hooks are called whose form, or presence, depends on the approximation
 

@@ -199,6 +199,9 @@ constexpr bool check_approximation() {
                 "`stands_in` only");
         }
         static_assert(
+            !A::facts.caches_images || CachesImages<A>,
+            "farfield: an approximation with `caches_images` needs `const ImageCacheOptions& images() const`");
+        static_assert(
             !A::facts.bounds_error || BoundsError<A>,
             "farfield: an approximation with `bounds_error` needs `float least_error_px(const Cell&, unsigned "
             "levels, const LocalView&) const`");
@@ -328,6 +331,11 @@ constexpr bool check_renderer() {
                       "farfield: a renderer with `answers_hidden` needs `bool hidden(const Cell&, CellId)`");
         static_assert(DepositsPrimitivesIfStated<R>,
                       "farfield: a renderer with `deposits_primitives` needs `bool deposits_primitives() const`");
+        static_assert(
+            KeepsImagesIfStated<R>,
+            "farfield: a renderer with `keeps_images` needs `void begin_image(const LocalView&, float quad_depth, int "
+            "samples)`, `std::uint32_t end_image()`, `void free_image(std::uint32_t)`, `std::size_t image_bytes(int "
+            "width, int height) const` and `void draw(std::span<const ImageQuad>)`");
     }
     return true;
 }
@@ -339,6 +347,8 @@ constexpr bool check_drawable() {
     if constexpr (StatesItsFacts<R>) {
         static_assert(DrawsStandInsIfAny<R, typename H::approximation_type>,
                       "farfield: the hierarchy has stand-ins, which needs a renderer with `draws_faces`");
+        static_assert(KeepsImagesIfCached<R, typename H::approximation_type>,
+                      "farfield: the hierarchy caches images, which needs a renderer with `keeps_images`");
         static_assert(OrderGoodEnough<R, H>,
                       "farfield: the renderer needs a stricter order (needs_ordering) than the hierarchy keeps");
     }
