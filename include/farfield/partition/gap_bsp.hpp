@@ -41,8 +41,8 @@ struct BasicGapBsp {
     static constexpr bool is_clipped = assigned == Assignment::clipped, is_shared = assigned == Assignment::shared;
 
     /// Planes are across these, of any length but zero, which stands for none. Two horizontal ones suit landscapes
-    /// whose y points up, as in the paper. Where no plane across them crosses less than half of what a cell holds, the
-    /// three axes are tried too.
+    /// whose y points up, as in the paper. The three axes are tried too where no plane across these crosses less than
+    /// half of what a cell holds, and where a cell is more than twice as long along an axis as along any of these.
     std::array<glm::vec3, most_directions> directions{glm::vec3(1, 0, 0), glm::vec3(0, 0, 1)};
     /// Most levels below the root; the report counts cells that reach it.
     std::uint32_t max_depth = 32;
@@ -336,12 +336,14 @@ struct BasicGapBsp {
         const auto length = [&](glm::vec3 normal) { return glm::dot(glm::abs(normal), cell.half); };
         std::stable_sort(by_length.begin(), by_length.end(),
                          [&](glm::vec3 a, glm::vec3 b) { return length(a) > length(b); });
+        const float longest_axis = std::max(cell.half.x, std::max(cell.half.y, cell.half.z));
+        const bool is_long = longest_axis > 2 * length(by_length[0]);
         for (const glm::vec3& d : by_length) {
             // The least price of all is 1: a shorter direction has next to nothing to gain on such a gap.
-            if (price <= good_price) break;
+            if (price <= good_price && !is_long) break;
             look_along(d);
         }
-        if (!has_gap) {
+        if (!has_gap || is_long) {
             for (int axis = 0; axis < 3; ++axis) look_along(glm::vec3(axis == 0, axis == 1, axis == 2));
         }
         float longest = 0;
