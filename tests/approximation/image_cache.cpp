@@ -144,7 +144,7 @@ TEST_CASE("a hierarchy that caches images wants a renderer that keeps them", "[i
     STATIC_REQUIRE(DrawableWith<Plain, Triangle, Forgetful>);
 }
 
-TEST_CASE("options that make no sense are refused by name", "[image_cache]") {
+TEST_CASE("image caches whose options make no sense are refused by name", "[image_cache]") {
     CHECK_THROWS_WITH(build<Cached>(balls(), {.approximation = with({.slices = 9})}),
                       Catch::Matchers::Contains("ImageCache: slices must be 1 to 8"));
     CHECK_THROWS_WITH(build<Cached>(balls(), {.approximation = with({.threshold_px = -1})}),

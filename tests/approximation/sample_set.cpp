@@ -160,7 +160,7 @@ TEST_CASE("a frozen camera shows the same picture, and a tolerance of 0 every pr
     CHECK(picture(h, triangles, exact, 1) == plain_picture(std::span<const Triangle>(triangles), exact));
 }
 
-TEST_CASE("options that make no sense are refused by name", "[approximation]") {
+TEST_CASE("sample sets whose options make no sense are refused by name", "[approximation]") {
     CHECK(std::string(SampleSet<>{.c = 0}.wrong_option()) == "SampleSet: c must lie above 0 and at most at 1000");
     CHECK(SampleSet<>{.c = NAN}.wrong_option() != nullptr);
     CHECK(std::string(SampleSet<>{.inner = {.samples = 9}}.wrong_option()).find("AreaSplat") == 0);
