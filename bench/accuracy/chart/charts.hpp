@@ -35,7 +35,8 @@ inline constexpr std::size_t most_lines = 6;
 
 /// Time against error and memory against error for each scene and view; time against number of primitives for each
 /// series: exact, the peer and what is fastest at exact's own error (RMSE; else over most primitives), with the Pareto
-/// front at most so many lines. Rows that lack one of the two, or where one is not above 0, are left out: no place on such axes.
+/// front at most so many lines. Rows that lack one of the two, or where one is not above 0, are left out: no place on
+/// such axes.
 std::vector<Chart> charts_of(const std::vector<Row>& rows);
 
 }  // namespace farfield::bench

@@ -25,8 +25,8 @@ inline std::string two_digits(double value) {
     return std::string(text, end.ptr);
 }
 
-/// As in "2 px, 4 samples: 1.3 ms, 3.5x": the median of a frame, and of what exact at one sample took right before, over
-/// it.
+/// As in "2 px, 4 samples: 1.3 ms, 3.5x": the median of a frame, and of what exact at one sample took right before,
+/// over it.
 inline TableCell cell_of(const Row& row) {
     std::string text = row.tolerance_px ? csv_number(*row.tolerance_px) + " px" : std::string();
     if (row.samples != 1) {
@@ -40,12 +40,12 @@ inline TableCell cell_of(const Row& row) {
 inline TableCell cell_of(const EqualErrorChoice& choice) {
     if (!choice.is_exact()) return cell_of(*choice.row);
     if (choice.reason == ToleranceReason::nothing_pays) return {"exact: nothing pays", choice.row};
-    if (choice.reason == ToleranceReason::nothing_keeps) return {"exact: no other keeps it", choice.row};
+    if (choice.reason == ToleranceReason::nothing_keeps) return {"exact: none keeps it", choice.row};
     return {"-"};
 }
 
-/// Two lines for each scene and view: what keeps the error of exact at one sample a pixel, and what keeps `bound`. Exact
-/// keeps it with more samples; the variants as at_equal_error says. A dash where nothing keeps it.
+/// Two lines for each scene and view: what keeps the error of exact at one sample a pixel, and what keeps `bound`.
+/// Exact keeps it with more samples; the variants as at_equal_error says. A dash where nothing keeps it.
 inline Table equal_error_table(const std::vector<Row>& rows, Row::Number Row::*error, double bound) {
     const std::vector<ViewGroup> groups = by_view(rows, "accuracy");
     std::vector<const Row*> all;

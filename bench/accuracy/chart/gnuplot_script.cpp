@@ -17,7 +17,7 @@ constexpr std::string_view gray = "#888888";
 
 std::string in_quotes(std::string_view text) {
     std::string result = "'";
-    for (const char c : text) result.append(c == '\'' ? 2 : 1, c);
+    for (const char c : text) result.append(c == '\'' ? 2 : 1, static_cast<unsigned char>(c) < 0x20 ? ' ' : c);
     return result + "'";
 }
 
@@ -94,7 +94,7 @@ void write_axis(std::ostream& out, char axis, const Panel& panel) {
 
 void write_data(std::ostream& out, const Panel& panel, std::size_t p) {
     for (std::size_t s = 0; s < panel.series.size(); ++s) {
-        out << "# " << panel.series[s].label << "\n$panel" << p << "series" << s << " << END\n";
+        out << "# " << in_quotes(panel.series[s].label) << "\n$panel" << p << "series" << s << " << END\n";
         for (const auto& point : panel.series[s].points) {
             for (std::size_t i = 0; i < 4; ++i) out << number(point[i]) << (i < 3 ? " " : "\n");
         }

@@ -100,7 +100,7 @@ td button:focus-visible { outline: 2px solid #0072b2 }
 fieldset { border: 1px solid #ccc; margin: 6px 0; font-size: 13px }
 fieldset label { display: inline-block; margin: 0 12px 0 0; white-space: nowrap }
 fieldset button { margin-right: 8px }
-.swatch { display: inline-block; width: 10px; height: 10px; margin-right: 4px }
+.swatch { display: inline-block; width: 13px; height: 10px; margin-right: 4px }
 .sides { display: flex; flex-wrap: wrap; gap: 20px; align-items: flex-start }
 #plot { flex: 1 1 560px; max-width: 1100px; font-size: 12px; background: #fff }
 #details { flex: 0 0 420px; min-height: 560px }
@@ -129,7 +129,8 @@ class Page {
         out_ << introduction << "<h2>Every point</h2>" << about_points << interactive;
         if (has_errors) equal_error("FLIP", &Row::flip, flip_bound, "<p>As above, by another measure.</p>\n");
         out_ << "<h2>At a glance</h2>\n<p>At most " << most_lines
-             << " lines a chart: exact, the peer, those that are fastest at exact's own error (RMSE) and the Pareto front "
+             << " lines a chart: exact, the peer, those that are fastest at exact's own error (RMSE) and the Pareto "
+                "front "
                 "of all that was measured. The plot above has the rest.</p>\n";
         std::vector<std::string> scenes;
         for (const Row& row : rows_) {
@@ -178,7 +179,8 @@ class Page {
             for (const Column& column : columns) {
                 std::visit([&](const auto field) { out_ << json(row.*field) << ","; }, column.field);
             }
-            out_ << picture_or_null(point_picture_file(row)) << "," << picture_or_null(point_reference_file(row)) << "]";
+            out_ << picture_or_null(point_picture_file(row)) << "," << picture_or_null(point_reference_file(row))
+                 << "]";
         }
         out_ << "]}</script>\n";
     }

@@ -78,7 +78,10 @@ inline constexpr std::string_view page_script = R"js(
         if (input.checked) on[kind].add(value); else on[kind].delete(value);
         draw();
       });
-      if (kind === "variant") make("span", label, { class: "swatch", style: "background:" + colorOf(value) });
+      if (kind === "variant") {
+        const dashed = dashOf(value) === "" ? "" : ";mask:repeating-linear-gradient(90deg,#000 0 3px,#0000 3px 5px)";
+        make("span", label, { class: "swatch", style: "background:" + colorOf(value) + dashed });
+      }
       label.appendChild(document.createTextNode(String(value)));
     }
   }

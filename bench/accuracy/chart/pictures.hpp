@@ -23,8 +23,8 @@ inline std::filesystem::path picture_file(const std::string& scene, const std::s
 }
 inline constexpr const char* reference_name = "reference";
 
-/// A picture for each row of accuracy: the rectangle that the object takes. Beside the page, not in it: those of a whole
-/// run are tens of megabytes, of which a reader sees a few.
+/// A picture for each row of accuracy: the rectangle that the object takes. Beside the page, not in it: those of a
+/// whole run are tens of megabytes, of which a reader sees a few.
 inline const std::filesystem::path point_pictures = std::filesystem::path("pictures") / "points";
 
 inline std::filesystem::path point_reference_file(const Row& row) {

@@ -67,8 +67,8 @@ struct EqualErrorChoice {
     bool is_exact() const { return reason != ToleranceReason::pays && reason != ToleranceReason::only_way; }
 };
 
-/// By ErrorTable::tolerance_for, as the programs choose, at the number of samples where that is fastest: chosen from what
-/// was measured, nothing lies between. Without `wanted`: no worse than exact at one sample a pixel.
+/// By ErrorTable::tolerance_for, as the programs choose, at the number of samples where that is fastest: chosen from
+/// what was measured, nothing lies between. Without `wanted`: no worse than exact at one sample a pixel.
 inline EqualErrorChoice at_equal_error(const std::vector<const Row*>& rows, std::string_view variant,
                                        Row::Number Row::*error, std::optional<double> wanted = std::nullopt) {
     const Row* const exact = exact_within(rows, error, std::nullopt);
