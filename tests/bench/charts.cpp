@@ -68,7 +68,7 @@ TEST_CASE("a chart has six lines: exact, the peer, what is fastest at exact's ow
 
 TEST_CASE("the front of a chart is that of all that was measured") {
     const std::vector<Row> rows = many();
-    const Panel& panel = charts_of(rows)[0].panels[0];
+    const Panel panel = charts_of(rows)[0].panels[0];
     std::vector<ChartPoint> points;
     for (const Row& row : rows) points.push_back({*row.time_ms, *row.rmse});
     const std::vector<std::size_t> front = pareto_front(points);

@@ -67,7 +67,8 @@ TEST_CASE("a variant stands at the largest tolerance that keeps the error and pa
     REQUIRE(thin.row);
     CHECK(thin.row->tolerance_px == 0.5);
     CHECK(at_equal_error(all(), "cube", &Row::rmse).row->tolerance_px == 2);  // exact's own error, 0.12
-    CHECK(at_equal_error(all(), "thin", &Row::rmse).row->tolerance_px == 1);  // 2 px takes longer
+    // The largest tolerance, not the fastest row: time is measured, and the fastest of many would be luck.
+    CHECK(at_equal_error(all(), "thin", &Row::rmse).row->tolerance_px == 2);
 }
 
 TEST_CASE("more samples are taken where they are needed or faster, and what has no tolerance has a place, too") {
@@ -116,7 +117,7 @@ TEST_CASE("the table has two lines for each view and a dash where nothing keeps 
     CHECK(texts(0) ==
           std::vector<std::string>{"scene", "view", "error at most", "exact", "cube", "thin", "never", "masks"});
     CHECK(texts(1) == std::vector<std::string>{"tree", "7 radii", "0.12 (exact's own)", "10 ms, 1x", "2 px: 1.1 ms, 9x",
-                                               "1 px: 3.3 ms, 3x", "exact: none keeps it", "exact: nothing pays"});
+                                               "2 px: 5.6 ms, 1.8x", "exact: none keeps it", "exact: nothing pays"});
     CHECK(texts(2) == std::vector<std::string>{"tree", "7 radii", "0.05", "16 samples: 50 ms, 0.2x", "1 px: 3.3 ms, 3x",
                                                "0.5 px: 5 ms, 2x", "-", "64 samples: 12 ms, 0.8x"});
     CHECK(table.rows[1][4].row == &rows[5]);
