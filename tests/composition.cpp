@@ -8,6 +8,7 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/sample_set.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
@@ -155,6 +156,20 @@ struct NeedsCellOrder : Nothing {
     static constexpr ApproximationFacts facts{.needs_ordering = OrderGuarantee::cells};
 };
 
+struct SamplesWithoutHooks : ColorCube {
+    static constexpr ApproximationFacts facts{
+        .accepts = Assignment::unique, .needs_polygons = true, .stands_in = true, .samples_primitives = true};
+};
+struct SamplesThatAreShared : SampleSet<> {
+    static constexpr ApproximationFacts facts{.needs_polygons = true, .stands_in = true, .samples_primitives = true};
+};
+struct SamplesWithMisspeltSize : SampleSet<> {
+    void sample_size() const {}
+};
+
+static_assert(Approximation<SampleSet<>> && Approximation<SampleSet<ColorCube>> && SamplesPrimitives<SampleSet<>>);
+static_assert(!Approximation<SamplesWithoutHooks> && !Approximation<SamplesThatAreShared> &&
+              !Approximation<SamplesWithMisspeltSize>);
 static_assert(Approximation<Exact> && Approximation<ColorCube> && Approximation<ColorCubeCluster<2>> &&
               Approximation<Nothing>);
 static_assert(!Approximation<StandsInWithoutHooks>, "a flag makes its hooks required");
@@ -206,6 +221,9 @@ static_assert(!Composable<Octree, ClippedOnly, TriangleCount> && !Composable<Sha
 static_assert(OrderSufficient<Octree, NeedsCellOrder> && !OrderSufficient<GoodPartition, NeedsCellOrder>);
 static_assert(!Composable<Octree, NeedsStrictOrder, TriangleCount> &&
               Composable<Ordered, NeedsStrictOrder, TriangleCount>);
+static_assert(Composable<Octree, SampleSet<>, TriangleCount> && !AssignmentAgreed<SharedOctree, SampleSet<>> &&
+                  !AssignmentAgreed<PolygonBsp, SampleSet<>>,
+              "a primitive moves up whole, and is in one place");
 static_assert(SpatialHierarchy<Octree, ColorCube, TriangleCount>::assignment == Assignment::unique);
 static_assert(SpatialHierarchy<SharedOctree, ColorCube, TriangleCount>::assignment == Assignment::shared);
 static_assert(SpatialHierarchy<Octree, ColorCube, TriangleCount>::ordering == OrderGuarantee::cells);
@@ -231,6 +249,10 @@ static_assert(!DrawableWith<Cubes, Triangle, Plain>, "a renderer without faces c
 static_assert(detail::DrawsStandInsIfAny<Plain, Exact> && !detail::DrawsStandInsIfAny<Plain, ColorCube>);
 static_assert(DrawableWith<Cubes, Triangle, CellOrder>);
 static_assert(!DrawableWith<ExactHierarchy, Triangle, Strict>, "octree cells are unordered inside");
+using OrderedSamples = SpatialHierarchy<Ordered, SampleSet<>, TriangleCount>;
+static_assert(OrderedSamples::ordering == OrderGuarantee::none && !OrderGoodEnough<CellOrder, OrderedSamples> &&
+                  !DrawableWith<OrderedSamples, Triangle, CellOrder>,
+              "samples that moved up lie among what is below them, whatever order the partition keeps");
 static_assert(DrawableWith<SpatialHierarchy<Ordered, Exact, TriangleCount>, Triangle, Strict>);
 static_assert(DrawableWith<SpatialHierarchy<PolygonBsp, Exact, TriangleCount>, Triangle, Strict> &&
               !DrawableWith<SpatialHierarchy<PolygonBsp, ColorCube, TriangleCount>, Triangle, Strict>);

@@ -12,6 +12,7 @@
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/approximation/sample_set.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
@@ -33,6 +34,8 @@ inline auto variants() {
             Named{"exact", Exact{}},
             Named{"color-cube", ColorCube{}},
             Named{"opacity-tensor", OpacityTensor{}},
+            Named{"sample-tree", SampleSet<OpacityTensor>{}},
+            Named{"sample-tree-splats", SampleSet<AreaSplat>{}},
             Named{"color-cube-direct", ColorCube{.inner = ColorCube::Inner::direct}},
             Named{"color-cube-1995", ColorCube{.opacity = ColorCube::Opacity::thresholded}},
             Named{"color-cube-cluster", ColorCubeCluster<4>{}},

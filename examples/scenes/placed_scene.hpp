@@ -164,6 +164,7 @@ class PlacedScene final : public BuiltScene {
     static constexpr std::string_view obstacle_for() {
         if (Hierarchy::ordering < Renderer::facts.needs_ordering) return "needs primitives in strict order";
         if (Approximation::facts.stands_in && !Renderer::facts.draws_faces) return "does not draw stand-ins";
+        if (Approximation::facts.caches_images && !Renderer::facts.keeps_images) return "keeps no images";
         return {};
     }
 
@@ -182,7 +183,13 @@ class PlacedScene final : public BuiltScene {
     template <class Renderer, class P>
     static std::unique_ptr<SceneViewer> frames_of(const Hierarchy& hierarchy, const std::vector<P>& primitives,
                                                   const RendererChoice& choice) {
-        if (choice.threads > 1) return std::make_unique<BandedFrames<P, Renderer>>(hierarchy, primitives, choice);
+        if (choice.threads > 1) {
+            if constexpr (caches_images<Hierarchy>) {
+                throw std::invalid_argument("images are kept by one viewer on one thread: take --threads 1");
+            } else {
+                return std::make_unique<BandedFrames<P, Renderer>>(hierarchy, primitives, choice);
+            }
+        }
         return std::make_unique<Frames<P, Renderer>>(hierarchy, primitives, choice);
     }
 

@@ -46,8 +46,12 @@ Recipe color_cube_1995();
 Recipe color_cube_cluster();
 Recipe color_cube_shared();
 Recipe opacity_tensor();
+Recipe sample_tree();
+Recipe sample_tree_splats();
 Recipe bsp();
 Recipe octree_of_bsps();
 Recipe gap_bsp();
+Recipe image_cache();
+Recipe image_cache_lod();
 
 }  // namespace walkthrough

@@ -9,7 +9,7 @@
 //     finish(cell, draft)             -> stand_in_data
 //     expected_work()                 -> Work               of drawing one, before any exists
 //     error_px(data, cell, view)      -> float              of the picture if it is drawn; infinity: never
-//     draw_stand_in(data, cell, view, sink)                 sink(Face) or sink(Splat)
+//     draw_stand_in(data, cell, view, sink)                 sink(Face), sink(Splat) or sink(OwnRun)
 //
 // and may bring, taken where it is there:
 //
@@ -28,6 +28,7 @@
 #include <array>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -50,12 +51,14 @@ struct ApproximationFacts {
     Assignments accepts = Assignments::all();
     bool needs_polygons = false;  ///< of the primitive
     OrderGuarantee needs_ordering = OrderGuarantee::none;
-    bool stands_in = false;          ///< MakesStandIns is required
-    bool merges_octants = false;     ///< MergesOctants is required: parents are made from their children
-    bool has_pool = false;           ///< data of varying size: hooks that take or make data get the pool after it
-    bool bounds_error = false;       ///< BoundsError is required
-    bool compares = false;           ///< ComparesWithChildren is required; not where there is a pool
-    bool provides_area_law = false;  ///< ProvidesAreaLaw is required; only where cells have stand-ins
+    bool stands_in = false;           ///< MakesStandIns is required
+    bool merges_octants = false;      ///< MergesOctants is required: parents are made from their children
+    bool has_pool = false;            ///< data of varying size: hooks that take or make data get the pool after it
+    bool bounds_error = false;        ///< BoundsError is required
+    bool compares = false;            ///< ComparesWithChildren is required; not where there is a pool
+    bool provides_area_law = false;   ///< ProvidesAreaLaw is required; only where cells have stand-ins
+    bool samples_primitives = false;  ///< SamplesPrimitives is required; only where cells have stand-ins
+    bool caches_images = false;       ///< CachesImages is required: viewers draw cells by images of them
     std::uint32_t file_tag = 0;  ///< names the policy in files; change it with the meaning of the data. 0: never stored
 };
 
@@ -79,6 +82,7 @@ struct StandInSink {
     float splat_limit_px = 0;
     void operator()(const Face&) const {}
     void operator()(const Splat&) const {}
+    void operator()(OwnRun) const {}
 };
 /// Polygons of a part of the scene in local coordinates: visit(sink) calls sink(Polygon) for each.
 struct Contents {
@@ -171,7 +175,78 @@ concept ProvidesAreaLaw = requires(const A& a, const typename A::stand_in_data& 
     { a.area_law(data) } -> std::same_as<std::optional<AreaLaw>>;
 };
 
+/// What moving samples up has left of a cell. Cells above hold the rest, and it is drawn with them.
+struct SampledCell {
+    float areas_per_side = 0;       ///< all area that lies in it, in squares of its side: q
+    float left = 1;                 ///< in its subtree, as a part of the area of all that lies in it
+    float sample = 0;               ///< in its sample: the first items of its own run
+    std::uint32_t items = 0;        ///< in its subtree
+    std::uint32_t fixed = 0;        ///< of these, items that never move: instances, and what has no area
+    std::uint32_t sample_size = 0;  ///< items in its sample
+};
+
+/// Inner cells hold samples of what lies below them, so that a frame refines by adding (Klein et al. 2002). A build
+/// gives every primitive sample_key(index, area) and moves those of the least keys up: a cell and the cells above it
+/// hold together the sample_size(q) least of all in the cell, where q is their area in squares of the cell's side. Keys
+/// are 0 or more, infinity for what never moves. sampled() is told what that has left of a cell whose stand-in was made
+/// from all that lies in it. Every primitive is in one cell, and no order of primitives is kept.
+template <class A>
+concept SamplesPrimitives = A::facts.accepts == Assignments(Assignment::unique) &&
+                            A::facts.needs_polygons&& requires(const A& a, const typename A::stand_in_data& data) {
+    { a.sample_key(std::uint32_t(), 0.0) } -> std::same_as<float>;
+    { a.sample_size(0.0) } -> std::same_as<std::uint32_t>;
+    { a.sampled(data, SampledCell{}) } -> std::same_as<typename A::stand_in_data>;
+};
+
+/// How a viewer keeps images of cells (Shade et al. 1996; frame/kept_images.hpp). Thresholds are those of the view that
+/// is drawn, whatever view an image was made for.
+struct ImageCacheOptions {
+    /// An image is drawn while nothing in it is displaced by more than this many pixels of the picture's center: the
+    /// paper's threshold. View::tolerance_px is that of what else stands in.
+    float threshold_px = 2;
+    /// The paper looks at the corners of a cell, and at the picture's center. True: no point of the cell, anywhere in
+    /// the picture, is displaced by more (frame/safety_zone.hpp).
+    bool is_conservative = false;
+    /// Depth slices an image is made of, 1 to 8: the error falls with their number, and texels become more.
+    int slices = 1;
+    int samples = 1;  ///< a pixel that images are made with, as the renderer counts them
+    /// Images of what instances hold, and of nothing else: a surface beside them, as terrain is, has no cracks.
+    bool of_instances_only = false;
+    /// Subtrees of fewer items get no image of their own; those that hold instances may.
+    std::uint32_t least_items = 1024;
+    std::uint64_t budget_bytes = std::uint64_t(64) << 20;  ///< of all images of one viewer; never exceeded
+    std::uint32_t most_made = 4096;                        ///< images a frame; other cells are drawn as they are
+    /// The work of making images may exceed that of drawing what they show, in a frame, by this part of the frame's
+    /// work: an image shows all of a cell where the picture shows a part.
+    float most_overhead = 0.25f;
+    /// Texels are at most so many times larger, or smaller, than pixels.
+    float most_magnified = 1.3f, most_minified = 1.7f;
+
+    /// Null, or what is wrong.
+    const char* wrong_option() const {
+        const auto is_number = [](float v) { return v >= 0 && v <= std::numeric_limits<float>::max(); };
+        if (!is_number(threshold_px)) return "ImageCache: threshold_px must be 0 or more and finite";
+        if (slices < 1 || slices > most_slices) return "ImageCache: slices must be 1 to 8";
+        if (samples < 1) return "ImageCache: samples must be 1 or more";
+        if (!is_number(most_overhead)) return "ImageCache: most_overhead must be 0 or more and finite";
+        if (!(most_magnified >= 1 && most_minified >= 1))
+            return "ImageCache: most_magnified and most_minified must be 1 or more";
+        return nullptr;
+    }
+    static constexpr int most_slices = 8;
+};
+
+/// images() says how a viewer keeps images of cells that this approximation draws.
+template <class A>
+concept CachesImages = requires(const A& a) {
+    { a.images() } -> std::same_as<const ImageCacheOptions&>;
+};
+
 namespace detail {
+template <class A>
+concept SamplesPrimitivesIfStated = !A::facts.samples_primitives || (A::facts.stands_in && SamplesPrimitives<A>);
+template <class A>
+concept CachesImagesIfStated = !A::facts.caches_images || CachesImages<A>;
 template <class A>
 concept FinishesAndDrawsAsStated = (A::facts.has_pool && FinishesAndDrawsFromPool<A>) ||
                                    (!A::facts.has_pool && FinishesAndDraws<A>);
@@ -188,9 +263,9 @@ concept ProvidesAreaLawIfStated = !A::facts.provides_area_law || (A::facts.stand
 }  // namespace detail
 
 template <class A>
-concept Approximation =
-    StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> && detail::MergesOctantsIfStated<A> &&
-    detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> && detail::ProvidesAreaLawIfStated<A>;
+concept Approximation = StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> &&
+    detail::MergesOctantsIfStated<A> && detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> &&
+    detail::ProvidesAreaLawIfStated<A> && detail::SamplesPrimitivesIfStated<A> && detail::CachesImagesIfStated<A>;
 
 // --- the one place where hooks are called whose form, or presence, depends on the approximation
 
@@ -257,6 +332,7 @@ struct FacesAsPolygons {
     float splat_limit_px = 0;
     void operator()(const Face& face) const { emit_polygon(face, sink); }
     void operator()(const Splat&) const {}
+    void operator()(OwnRun) const {}
 };
 
 template <class A, class Data, class Pool, class Sink>

@@ -40,6 +40,11 @@ concept HasImage = requires(const R& r) {
 /// differs in work. Where renderers share sources (RendererFacts), all bands together keep one copy of the primitives.
 template <class H, class P, class R>
 class BandedViewer {
+    static_assert(
+        !caches_images<H>,
+        "farfield: each band would keep images of its own, made at other times than those of its neighbors: a "
+        "hierarchy that caches images needs a Viewer");
+
   public:
     /// make(band) returns a renderer; all must be made alike. Throws std::invalid_argument for no bands, and what
     /// Viewer throws.

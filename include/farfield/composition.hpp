@@ -48,6 +48,8 @@ template <class P, class H>
 concept CanBeClippedIfNeeded = H::assignment != Assignment::clipped || PrimitiveWithPolygons<P>;
 template <class R, class A>
 concept DrawsStandInsIfAny = !A::facts.stands_in || R::facts.draws_faces;
+template <class R, class A>
+concept KeepsImagesIfCached = !A::facts.caches_images || R::facts.keeps_images;
 }  // namespace detail
 
 /// H is a SpatialHierarchy.
@@ -59,7 +61,7 @@ template <class R, class H>
 concept OrderGoodEnough = H::ordering >= R::facts.needs_ordering;
 
 template <class H, class P, class R>
-concept DrawableWith =
-    Renderer<R, P> && detail::DrawsStandInsIfAny<R, typename H::approximation_type> && OrderGoodEnough<R, H>;
+concept DrawableWith = Renderer<R, P> && detail::DrawsStandInsIfAny<R, typename H::approximation_type> &&
+    detail::KeepsImagesIfCached<R, typename H::approximation_type> && OrderGoodEnough<R, H>;
 
 }  // namespace farfield

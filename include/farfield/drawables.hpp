@@ -90,6 +90,20 @@ struct Splat {
     Rgba8 rgb;       ///< of what covers, not premultiplied; alpha holds the area law's class
 };
 
+/// The first `count` of the primitives in a cell's subtree, own ones first, or as many as there are: what a stand-in
+/// may be made of where cells hold samples of their contents.
+struct OwnRun {
+    std::uint32_t count = 0;
+};
+
+/// An image that a renderer keeps, as a rectangle in space, in local coordinates: the image's upper left corner lies at
+/// `corner`, its width along `across`, its height along `down` (Shade et al. 1996, section 2). Colors are premultiplied
+/// and drawn over what lies behind.
+struct ImageQuad {
+    std::uint32_t image = 0;  ///< what end_image returned
+    glm::vec3 corner{0}, across{0}, down{0};
+};
+
 /// Calls sink(Polygon) with a face, its color no longer premultiplied; not where nothing would be seen of it.
 template <class Sink>
 void emit_polygon(const Face& face, Sink&& sink) {

@@ -3,10 +3,13 @@
 
 #include "farfield/settings.hpp"
 
+#include "farfield/approximation/area_splat.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/image_cache.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/approximation/sample_set.hpp"
 #include "farfield/banded_viewer.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/measured_time.hpp"

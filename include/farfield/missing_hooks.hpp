@@ -173,6 +173,11 @@ constexpr bool check_stand_ins() {
             !A::facts.provides_area_law || ProvidesAreaLaw<A>,
             "farfield: an approximation with `provides_area_law` needs `std::optional<AreaLaw> area_law(const "
             "stand_in_data&) const`");
+        static_assert(
+            !A::facts.samples_primitives || SamplesPrimitives<A>,
+            "farfield: an approximation with `samples_primitives` needs polygons, accepts `unique` alone, and "
+            "has `float sample_key(std::uint32_t, double) const`, `std::uint32_t sample_size(double) const` "
+            "and `stand_in_data sampled(const stand_in_data&, SampledCell) const`");
     }
     return true;
 }
@@ -187,9 +192,15 @@ constexpr bool check_approximation() {
         if constexpr (A::facts.stands_in) {
             static_assert(check_stand_ins<A>());
         } else {
-            static_assert(!A::facts.merges_octants && !A::facts.compares && !A::facts.provides_area_law,
-                          "farfield: `merges_octants`, `compares` and `provides_area_law` go with `stands_in` only");
+            static_assert(
+                !A::facts.merges_octants && !A::facts.compares && !A::facts.provides_area_law &&
+                    !A::facts.samples_primitives,
+                "farfield: `merges_octants`, `compares`, `provides_area_law` and `samples_primitives` go with "
+                "`stands_in` only");
         }
+        static_assert(
+            !A::facts.caches_images || CachesImages<A>,
+            "farfield: an approximation with `caches_images` needs `const ImageCacheOptions& images() const`");
         static_assert(
             !A::facts.bounds_error || BoundsError<A>,
             "farfield: an approximation with `bounds_error` needs `float least_error_px(const Cell&, unsigned "
@@ -320,6 +331,11 @@ constexpr bool check_renderer() {
                       "farfield: a renderer with `answers_hidden` needs `bool hidden(const Cell&, CellId)`");
         static_assert(DepositsPrimitivesIfStated<R>,
                       "farfield: a renderer with `deposits_primitives` needs `bool deposits_primitives() const`");
+        static_assert(
+            KeepsImagesIfStated<R>,
+            "farfield: a renderer with `keeps_images` needs `void begin_image(const LocalView&, float quad_depth, int "
+            "samples)`, `std::uint32_t end_image()`, `void free_image(std::uint32_t)`, `std::size_t image_bytes(int "
+            "width, int height) const` and `void draw(std::span<const ImageQuad>)`");
     }
     return true;
 }
@@ -331,6 +347,8 @@ constexpr bool check_drawable() {
     if constexpr (StatesItsFacts<R>) {
         static_assert(DrawsStandInsIfAny<R, typename H::approximation_type>,
                       "farfield: the hierarchy has stand-ins, which needs a renderer with `draws_faces`");
+        static_assert(KeepsImagesIfCached<R, typename H::approximation_type>,
+                      "farfield: the hierarchy caches images, which needs a renderer with `keeps_images`");
         static_assert(OrderGoodEnough<R, H>,
                       "farfield: the renderer needs a stricter order (needs_ordering) than the hierarchy keeps");
     }

@@ -118,8 +118,8 @@ concept DescendsInOrder = requires(const T& t, const Cell& cell, const typename 
 };
 
 /// place(cell, data, item, touches, give) calls give(child) for each child that gets the item, or give.keep() to leave
-/// it in the node's own run, or give.drop() where items are shared and another cell has it. touches(box) says whether the primitive itself, not just its bounds, meets a box; of an
-/// instance it is always true.
+/// it in the node's own run, or give.drop() where items are shared and another cell has it. touches(box) says whether
+/// the primitive itself, not just its bounds, meets a box; of an instance it is always true.
 template <class T>
 concept PlacesItems = requires(const T& t, const Cell& cell, typename T::node_data& data,
                                const typename T::node_data& frozen, const Item& item, std::span<const Item> items) {

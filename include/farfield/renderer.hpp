@@ -5,6 +5,7 @@
 #include "farfield/settings.hpp"
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -38,6 +39,17 @@ struct RendererFacts {
     /// bool deposits_primitives() const, asked once a frame or selection: whether its ranges carry their cell's law
     /// where it is known. Cells with a law come front to back, in order with the stand-ins among them.
     bool deposits_primitives = false;
+    /// Images of parts of the scene, in this order; draw(std::span<const ImageQuad>) in frames and in images:
+    ///
+    ///     begin_image(const LocalView&, float quad_depth, int samples)   after begin_frame, before anything is drawn
+    ///     end_image() -> std::uint32_t                                   a handle; 0: it could not be made
+    ///     free_image(handle)
+    ///     image_bytes(int width, int height) -> std::size_t              the most memory that one takes
+    ///
+    /// What is drawn between begin_image and end_image goes into a picture of its own, of the view's size, transparent
+    /// where nothing is drawn, with so many samples a pixel. Its rectangle will lie at `quad_depth`, local units; a
+    /// renderer may remember how much nearer or farther each pixel's contents are.
+    bool keeps_images = false;
 };
 
 template <class R>
@@ -106,6 +118,16 @@ concept DepositsPrimitives = requires(const R& r) {
     { r.deposits_primitives() } -> std::same_as<bool>;
 };
 
+template <class R>
+concept KeepsImages = requires(R& r, const R& known, const LocalView& view, std::uint32_t image,
+                               std::span<const ImageQuad> quads) {
+    r.begin_image(view, 1.0f, 1);
+    { r.end_image() } -> std::same_as<std::uint32_t>;
+    r.free_image(image);
+    { known.image_bytes(1, 1) } -> std::convertible_to<std::size_t>;
+    r.draw(quads);
+};
+
 namespace detail {
 template <class R, class P>
 concept KeepsSourcesIfStated = !R::facts.keeps_sources || KeepsSources<R, P>;
@@ -126,12 +148,14 @@ concept AnswersHiddenIfStated = !R::facts.answers_hidden || AnswersHidden<R>;
 
 template <class R>
 concept DepositsPrimitivesIfStated = !R::facts.deposits_primitives || DepositsPrimitives<R>;
+template <class R>
+concept KeepsImagesIfStated = !R::facts.keeps_images || KeepsImages<R>;
 }  // namespace detail
 
 template <class R, class P>
 concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && detail::KeepsSourcesIfStated<R, P> &&
     detail::SharesSourcesIfStated<R> && detail::TellsLifetimeIfStated<R> && detail::TellsLightIfStated<R> &&
     detail::DrawsFacesIfStated<R> && detail::DrawsSplatsIfStated<R> && detail::DrawsPolygonsIfStated<R> &&
-    detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R>;
+    detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R> && detail::KeepsImagesIfStated<R>;
 
 }  // namespace farfield

@@ -40,10 +40,12 @@ class SpatialHierarchy {
 
     static constexpr Assignment assignment = agreed_assignment<Partition_, A>;
     /// The guarantee of an order front to back. Bounding boxes of cells may overlap where planes between them are
-    /// oblique, so no stand-in is in order with the polygons in another cell.
-    static constexpr OrderGuarantee ordering = A::facts.stands_in && Partition_::facts.ordering > OrderGuarantee::cells
-                                                   ? OrderGuarantee::cells
-                                                   : Partition_::facts.ordering;
+    /// oblique, so no stand-in is in order with the polygons in another cell. A sample that has moved up lies among
+    /// what is below it.
+    static constexpr OrderGuarantee ordering =
+        A::facts.samples_primitives                                                ? OrderGuarantee::none
+        : A::facts.stands_in && Partition_::facts.ordering > OrderGuarantee::cells ? OrderGuarantee::cells
+                                                                                   : Partition_::facts.ordering;
 
     /// A hierarchy over nothing, which draws nothing.
     SpatialHierarchy() : SpatialHierarchy(Partition_{}, A{}, C{}, Data{.nodes = {Node{}}}) {}

@@ -89,6 +89,9 @@ struct FrameStats {
     std::uint64_t approximations = 0;  ///< stand-ins drawn
     std::uint64_t faces = 0;           ///< far-field faces handed over
     std::uint64_t splats = 0;          ///< far-field deposits handed over
+    std::uint64_t images = 0;          ///< cells drawn by an image of them
+    std::uint64_t images_made = 0;     ///< of them in this frame, or of cells whose image another holds
+    std::uint64_t image_bytes = 0;     ///< the memory of all that are kept, at most
     std::uint64_t cells_visited = 0;
     std::uint64_t cells_outside = 0;                         ///< culled by the frustum
     std::uint64_t cells_hidden = 0;                          ///< culled because the renderer said so
@@ -97,10 +100,10 @@ struct FrameStats {
     std::uint64_t approximations_by_level[max_levels] = {};  ///< by depth in their own hierarchy
 
     FrameStats& operator+=(const FrameStats& other) {
-        for (const auto count :
-             {&FrameStats::primitives, &FrameStats::runs, &FrameStats::approximations, &FrameStats::faces,
-              &FrameStats::splats, &FrameStats::cells_visited, &FrameStats::cells_outside, &FrameStats::cells_hidden,
-              &FrameStats::instances, &FrameStats::touched_bytes}) {
+        for (const auto count : {&FrameStats::primitives, &FrameStats::runs, &FrameStats::approximations,
+                                 &FrameStats::faces, &FrameStats::splats, &FrameStats::images, &FrameStats::images_made,
+                                 &FrameStats::image_bytes, &FrameStats::cells_visited, &FrameStats::cells_outside,
+                                 &FrameStats::cells_hidden, &FrameStats::instances, &FrameStats::touched_bytes}) {
             this->*count += other.*count;
         }
         for (int i = 0; i < max_levels; ++i) approximations_by_level[i] += other.approximations_by_level[i];

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <ranges>
 #include <span>
 #include <stdexcept>
@@ -20,6 +21,8 @@
 #include "farfield/frame/descent.hpp"
 #include "farfield/frame/draw_now.hpp"
 #include "farfield/frame/draw_queue.hpp"
+#include "farfield/frame/image_chooser.hpp"
+#include "farfield/frame/image_maker.hpp"
 #include "farfield/frame/instance_stack.hpp"
 #include "farfield/frame/selection.hpp"
 #include "farfield/frame/source_table.hpp"
@@ -30,7 +33,27 @@
 
 namespace farfield {
 
+/// Whether viewers keep images of the hierarchy's cells, and of those of instances that do so too.
+template <class H>
+inline constexpr bool caches_images = H::approximation_type::facts.caches_images;
+
 namespace detail {
+/// What a viewer keeps from frame to frame where it keeps images.
+template <class R>
+struct ViewerImages {
+    ViewerImages(R& renderer, SourceTable<R>& sources) : maker(renderer, sources) {}
+
+    ImageMaker<R> maker;
+    std::vector<glm::dvec3> expected;   ///< eyes of frames to come
+    std::vector<glm::vec3> known_path;  ///< the same, as ExpectedPath has it
+    glm::dvec3 eye{0};                  ///< the last frame's
+    bool has_eye = false;
+};
+struct NoImages {
+    template <class... Ignored>
+    explicit NoImages(Ignored&...) {}
+};
+
 /// A range that is about to go, and what it holds with it.
 template <class Range>
 concept OwningTemporary =
@@ -52,7 +75,8 @@ class Viewer {
           primitives_(primitives),
           renderer_(renderer),
           sources_(renderer),
-          queue_(renderer, stats_) {
+          queue_(renderer, stats_),
+          images_(renderer, sources_) {
         sources_.add_all(hierarchy, primitives);
     }
     /// A viewer of the same with a renderer of its own: for another thread, or a part of the picture. It checks nothing
@@ -63,7 +87,8 @@ class Viewer {
           primitives_(other.primitives_),
           renderer_(renderer),
           sources_(renderer),
-          queue_(renderer, stats_) {
+          queue_(renderer, stats_),
+          images_(renderer, sources_) {
         if (!sources_.add_all_of(other.sources_)) sources_.add_all(hierarchy_, primitives_);
     }
     /// What is borrowed must outlive the viewer, as what is made in the call does not.
@@ -78,6 +103,10 @@ class Viewer {
     FrameStats frame(const View& view) {
         const LocalView local = outermost(view);
         begin(local, view);
+        if constexpr (caches_images<H>) {
+            draw_with_images(local, view);
+            return end();
+        }
         const AsTheyAre tint;
         detail::DrawNow<R> sink(renderer_, queue_, tint);
         detail::Descent<R, decltype(sink)> descent(sources_, instances_, stats_, sink, deposits_);
@@ -85,7 +114,21 @@ class Viewer {
         return end();
     }
 
-    /// Keeps what frame() would draw if nothing hid anything. The renderer is not touched. Throws for memory alone.
+    /// Tells where the eye will be after the next frame, one place a frame, where that is known: images are then made
+    /// for as long as they will serve ("If the view trajectory is known to us in advance, we can simply search along
+    /// the trajectory", Shade et al. 1996, section 3). It counts for the next frame; without it the last motion goes
+    /// on.
+    void expect(std::span<const glm::dvec3> eyes) requires caches_images<H> {
+        images_.expected.assign(eyes.begin(), eyes.end());
+    }
+    /// Frees all images. What is drawn next is as if there had been no frame before.
+    void forget_images() requires caches_images<H> {
+        images_.maker.free_all();
+        images_.has_eye = false;
+    }
+
+    /// Keeps what frame() would draw without images if nothing hid anything. The renderer is not touched. Throws for
+    /// memory alone.
     Selection<H, P> select(const View& view) {
         Selection<H, P> selection;
         select(view, selection);
@@ -151,6 +194,30 @@ class Viewer {
         }
     }
 
+    /// Chooses and makes images, then draws with them (Shade et al. 1996, section 2: two traversals).
+    void draw_with_images(const LocalView& local, const View& view) {
+        auto& maker = images_.maker;
+        detail::ExpectedPath path;
+        const auto along_axes = [&](glm::dvec3 way) {
+            const glm::vec3 w(way);
+            return glm::vec3(glm::dot(w, local.right), glm::dot(w, local.up), glm::dot(w, local.forward));
+        };
+        images_.known_path.clear();
+        for (const glm::dvec3& eye : images_.expected) images_.known_path.push_back(along_axes(eye - view.camera.eye));
+        images_.expected.clear();
+        path.known = images_.known_path;
+        if (images_.has_eye) path.step = along_axes(view.camera.eye - images_.eye);
+        images_.eye = view.camera.eye;
+        images_.has_eye = true;
+        stats_.images_made = maker.update(hierarchy_, primitives_, local, path, instances_, deposits_);
+        const ImageCacheOptions& options = hierarchy_.approximation_policy().images();
+        detail::DrawWithImages<R> sink(renderer_, queue_, maker.kept(), options, /*is_in_image=*/false);
+        detail::Descent<R, detail::DrawWithImages<R>> descent(sources_, instances_, stats_, sink, deposits_);
+        descent.enter(hierarchy_, primitives_, local, 0);
+        stats_.images = sink.images();
+        stats_.image_bytes = maker.kept().bytes();
+    }
+
     FrameStats end() {
         queue_.replay();
         stats_.touched_bytes += stats_.cells_visited * sizeof(Node);
@@ -166,6 +233,7 @@ class Viewer {
     DrawQueue<R> queue_;
     bool deposits_ = false;  ///< in this frame, where a law is known
     detail::InstanceStack instances_;
+    std::conditional_t<caches_images<H>, detail::ViewerImages<R>, detail::NoImages> images_;
 };
 
 /// Prefer this to naming the type: where something is missing, compilers say what.

@@ -169,7 +169,7 @@ TEMPLATE_TEST_CASE("points are drawn by every approximation", "", (SpatialHierar
     };
     // A hollow sphere of discs and balls; clipped, each of them is cut by the planes of many others.
     const Points points = random_points(is_clipped ? 1000 : 6000, 4);
-    const View close = looking({2, 1, 1}, {}, 96), distant = looking({60, 30, 20}, {}, 96, 4);
+    const View close = looking({2, 1, 1}, {}, 96), distant = looking({8, 5, 3}, {}, 192, 24);
     const auto [exact, none] = pictures(points, close);
     CHECK(none == 0);
     const Image plain = plain_picture<Point>(points, close);
@@ -177,9 +177,10 @@ TEMPLATE_TEST_CASE("points are drawn by every approximation", "", (SpatialHierar
     CHECK(different_pixels(exact, plain) <= (is_clipped ? 96 : 0));
     const auto [stand_ins, some] = pictures(points, distant);
     CHECK((some > 0) == TestType::approximation_type::facts.stands_in);
-    const double wanted = coverage(plain_picture<Point>(points, distant));
-    CHECK(wanted > 0);
-    CHECK(std::abs(coverage(stand_ins) / wanted - 1) < 0.35);
+    // Cells as large as here are coarse, but none loses its points or makes walls of them.
+    const double ratio = coverage(stand_ins) / coverage(plain_picture<Point>(points, distant, {.samples = 16}));
+    CHECK(ratio > 0.5);
+    CHECK(ratio < 2);
 
     // Many at one place, without a radius, and one far off.
     Points odd(500, Point{{1, 2, 3}, 0.5f, {}, {255, 0, 0, 255}});

@@ -100,6 +100,7 @@ expect_of_approximation(no_least_error_px "float least_error_px(" ".bounds_error
 expect_of_approximation(no_area_law "area_law(const" ".provides_area_law = true" ${five})
 expect_of_approximation(no_reproduces "bool reproduces(" ".compares = true" ${five})
 expect_of_approximation(no_merge "merge(const Cell&" ".merges_octants = true" ${five})
+expect_of_approximation(no_sample_key "float sample_key(" ".samples_primitives = true" ${five})
 expect_of_approximation(no_pool_element "pool_element" ".has_pool = true" ${five})
 expect_of_approximation(wrong_stand_in_work "Work work(const stand_in_data&)" "" ${five}
                         "float work(const stand_in_data&) const { return 1@ }")

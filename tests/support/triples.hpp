@@ -8,6 +8,7 @@
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/approximation/sample_set.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/gap_bsp.hpp"
@@ -21,24 +22,26 @@ namespace farfield::test {
 using OctreeOfBsps = Nested<Octree, PolygonBsp>;
 using Partitions =
     std::tuple<Named<Octree>, Named<SharedOctree>, Named<PolygonBsp>, Named<OctreeOfBsps>, Named<GapBsp>>;
-using Approximations = std::tuple<Named<Exact>, Named<ColorCube>, Named<ColorCubeCluster<2>>,
-                                  Named<ColorCubeCluster<4>>, Named<OpacityTensor>>;
-#ifdef FARFIELD_ONE_COST_MODEL  // under sanitizers: prices change what is chosen, and double what is compiled
-using CostModels = std::tuple<Named<TriangleCount>>;
-#else
+using Approximations =
+    std::tuple<Named<Exact>, Named<ColorCube>, Named<ColorCubeCluster<2>>, Named<ColorCubeCluster<4>>,
+               Named<OpacityTensor>, Named<SampleSet<AreaSplat>>, Named<SampleSet<OpacityTensor>>>;
 using CostModels = std::tuple<Named<TriangleCount>, Named<MeasuredTime>>;
-#endif
 
 template <class... V>
 std::tuple<typename V::hierarchy_type...> hierarchies_of(const std::tuple<V...>&);
 
-/// SpatialHierarchy of each partition and cost model that goes with an approximation.
+/// What is built and drawn with an approximation: each partition that goes with it, and each cost model, with the first
+/// of the others. Prices are numbers, which change what is chosen and double what is compiled.
 template <class A>
-using HierarchiesWith = decltype(hierarchies_of(
-    variants_of(std::declval<Partitions>(), std::declval<std::tuple<Named<A>>>(), std::declval<CostModels>())));
-/// Of every triple.
+using HierarchiesWith = decltype(hierarchies_of(std::tuple_cat(
+    variants_of(std::declval<Partitions>(), std::declval<std::tuple<Named<A>>>(),
+                std::declval<std::tuple<std::tuple_element_t<0, CostModels>>>()),
+    variants_of(std::declval<std::tuple<std::tuple_element_t<0, Partitions>>>(), std::declval<std::tuple<Named<A>>>(),
+                std::declval<std::tuple<std::tuple_element_t<1, CostModels>>>()))));
+/// Every triple.
 using Hierarchies = decltype(hierarchies_of(
     variants_of(std::declval<Partitions>(), std::declval<Approximations>(), std::declval<CostModels>())));
-static_assert(std::tuple_size_v<Hierarchies> == 25 * std::tuple_size_v<CostModels>, "all of today's policies compose");
+static_assert(std::tuple_size_v<Hierarchies> == (5 * 5 + 2 * 2) * std::tuple_size_v<CostModels>,
+              "all of today's policies compose, but that sample sets want every item in one cell, whole");
 
 }  // namespace farfield::test

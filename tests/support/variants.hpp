@@ -102,12 +102,13 @@ std::vector<Variant> color_cube_variants();
 std::vector<Variant> cluster_of_two_variants();
 std::vector<Variant> cluster_of_four_variants();
 std::vector<Variant> opacity_tensor_variants();
+std::vector<Variant> sample_set_variants();
 
 inline const std::vector<Variant>& all_variants() {
     static const std::vector<Variant> all = [] {
         std::vector<Variant> v;
         for (const auto& family : {exact_variants(), color_cube_variants(), cluster_of_two_variants(),
-                                   cluster_of_four_variants(), opacity_tensor_variants()}) {
+                                   cluster_of_four_variants(), opacity_tensor_variants(), sample_set_variants()}) {
             v.insert(v.end(), family.begin(), family.end());
         }
         return v;

@@ -18,8 +18,6 @@ namespace {
 
 using glm::vec3;
 
-constexpr int cells_per_side = 128;  // 2 * 128 * 128 triangles of ground
-constexpr int vertices_per_side = cells_per_side + 1;
 constexpr int sea_columns = 12, sea_rows = 14;  // 336 triangles
 
 float smooth(float t) {
@@ -52,19 +50,21 @@ float fractal_noise(float x, float z, int octaves, std::uint64_t seed) {
 
 class Ground {
   public:
-    Ground(float side_m, std::uint64_t seed) : side_m_(side_m), seed_(seed) {
-        heights_.reserve(vertices_per_side * vertices_per_side);
-        for (int z = 0; z < vertices_per_side; ++z) {
-            for (int x = 0; x < vertices_per_side; ++x) heights_.push_back(formed(position(x), position(z)));
+    Ground(float side_m, int cells, std::uint64_t seed) : side_m_(side_m), cells_(cells), seed_(seed) {
+        heights_.reserve(static_cast<std::size_t>(cells + 1) * static_cast<std::size_t>(cells + 1));
+        for (int z = 0; z <= cells; ++z) {
+            for (int x = 0; x <= cells; ++x) heights_.push_back(formed(position(x), position(z)));
         }
     }
 
     float side_m() const { return side_m_; }
+    int cells() const { return cells_; }  ///< along a side
 
     /// Of the triangulated ground, as drawn.
     float height(float x, float z) const {
-        const float u = std::clamp((x / side_m_ + 0.5f) * cells_per_side, 0.0f, cells_per_side - 1e-3f);
-        const float v = std::clamp((z / side_m_ + 0.5f) * cells_per_side, 0.0f, cells_per_side - 1e-3f);
+        const auto cells = static_cast<float>(cells_);
+        const float u = std::clamp((x / side_m_ + 0.5f) * cells, 0.0f, cells - 1e-3f);
+        const float v = std::clamp((z / side_m_ + 0.5f) * cells, 0.0f, cells - 1e-3f);
         const int i = static_cast<int>(u), j = static_cast<int>(v);
         const float s = u - static_cast<float>(i), t = v - static_cast<float>(j);
         const float a = at(i, j), b = at(i + 1, j), c = at(i, j + 1), d = at(i + 1, j + 1);
@@ -72,17 +72,15 @@ class Ground {
     }
 
     vec3 normal(float x, float z) const {
-        const float e = side_m_ / cells_per_side;
+        const float e = side_m_ / static_cast<float>(cells_);
         return glm::normalize(vec3(height(x - e, z) - height(x + e, z), 2.0f * e, height(x, z - e) - height(x, z + e)));
     }
 
     vec3 vertex(int x, int z) const { return {position(x), at(x, z), position(z)}; }
 
   private:
-    float position(int i) const {
-        return side_m_ * (static_cast<float>(i) / static_cast<float>(cells_per_side) - 0.5f);
-    }
-    float at(int x, int z) const { return heights_[static_cast<std::size_t>(z * vertices_per_side + x)]; }
+    float position(int i) const { return side_m_ * (static_cast<float>(i) / static_cast<float>(cells_) - 0.5f); }
+    float at(int x, int z) const { return heights_[static_cast<std::size_t>(z * (cells_ + 1) + x)]; }
 
     float formed(float x, float z) const {
         const float u = x / side_m_, v = z / side_m_;
@@ -99,6 +97,7 @@ class Ground {
     }
 
     float side_m_;
+    int cells_;
     std::uint64_t seed_;
     std::vector<float> heights_;
 };
@@ -174,9 +173,10 @@ void append_ground(std::vector<VertexColoredTriangle>& triangles, const Ground& 
     PointGrid grid(6.0f);
     for (const Standing& tree : trees) grid.add({tree.foot.x, 0.0f, tree.foot.z});
     std::vector<Rgba8> colors;
-    colors.reserve(vertices_per_side * vertices_per_side);
-    for (int z = 0; z < vertices_per_side; ++z) {
-        for (int x = 0; x < vertices_per_side; ++x) {
+    const int cells = ground.cells();
+    colors.reserve(static_cast<std::size_t>(cells + 1) * static_cast<std::size_t>(cells + 1));
+    for (int z = 0; z <= cells; ++z) {
+        for (int x = 0; x <= cells; ++x) {
             const vec3 p = ground.vertex(x, z);
             colors.push_back(ground_color(ground, p, open_sky(grid, p, light), light, seed));
         }
@@ -186,12 +186,12 @@ void append_ground(std::vector<VertexColoredTriangle>& triangles, const Ground& 
         for (std::size_t i = 0; i < 3; ++i) {
             const auto [x, z] = corners[i];
             triangle.vertices[i] = ground.vertex(x, z);
-            triangle.rgba[i] = colors[static_cast<std::size_t>(z * vertices_per_side + x)];
+            triangle.rgba[i] = colors[static_cast<std::size_t>(z * (cells + 1) + x)];
         }
         triangles.push_back(triangle);
     };
-    for (int z = 0; z < cells_per_side; ++z) {
-        for (int x = 0; x < cells_per_side; ++x) {
+    for (int z = 0; z < cells; ++z) {
+        for (int x = 0; x < cells; ++x) {
             add({{{x, z}, {x + 1, z + 1}, {x + 1, z}}});
             add({{{x, z}, {x, z + 1}, {x + 1, z + 1}}});
         }
@@ -224,9 +224,10 @@ void append_sea(std::vector<VertexColoredTriangle>& triangles, float side_m, Ran
 
 Scene island(const IslandOptions& options) {
     if (options.tree_kinds == 0) throw std::invalid_argument("island: no tree kinds");
+    if (options.ground_cells < 1) throw std::invalid_argument("island: no ground");
     Random random(options.seed * 0x2545f4914f6cdd1du + 3);
     const float crowd = static_cast<float>(std::max<std::size_t>(options.trees, 40)) / 480.0f;
-    const Ground ground(300.0f * std::sqrt(crowd), options.seed);
+    const Ground ground(300.0f * std::sqrt(crowd), options.ground_cells, options.seed);
     const std::vector<Standing> trees = planted(ground, options, random);
 
     Scene scene{"island", {}};

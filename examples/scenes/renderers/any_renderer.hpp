@@ -2,6 +2,7 @@
 // that they cost nothing that could be measured.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -59,6 +60,11 @@ class AnyRenderer {
     virtual float largest_splat_px() const = 0;
     virtual bool deposits_primitives() const = 0;
     virtual bool hidden(const Cell& cell, CellId id) = 0;
+    virtual void begin_image(const LocalView& view, float quad_depth, int samples) = 0;
+    virtual std::uint32_t end_image() = 0;
+    virtual void free_image(std::uint32_t image) = 0;
+    virtual std::size_t image_bytes(int width, int height) const = 0;
+    virtual void draw(std::span<const ImageQuad> quads) = 0;
 
     /// Of the last frame; null where nobody counts.
     virtual const CoverageWork* work() const = 0;
@@ -112,6 +118,13 @@ class RendererLike {
     float largest_splat_px() const { return renderer_->largest_splat_px(); }
     bool deposits_primitives() const { return renderer_->deposits_primitives(); }
     bool hidden(const Cell& cell, CellId id) { return renderer_->hidden(cell, id); }
+    void begin_image(const LocalView& view, float quad_depth, int samples) {
+        renderer_->begin_image(view, quad_depth, samples);
+    }
+    std::uint32_t end_image() { return renderer_->end_image(); }
+    void free_image(std::uint32_t image) { renderer_->free_image(image); }
+    std::size_t image_bytes(int width, int height) const { return renderer_->image_bytes(width, height); }
+    void draw(std::span<const ImageQuad> quads) { renderer_->draw(quads); }
 
   private:
     std::unique_ptr<AnyRenderer> renderer_;

@@ -71,6 +71,25 @@ class RendererBehind final : public AnyRenderer {
         return false;
     }
 
+    void begin_image([[maybe_unused]] const LocalView& view, [[maybe_unused]] float quad_depth,
+                     [[maybe_unused]] int samples) override {
+        if constexpr (R::facts.keeps_images) renderer_.begin_image(view, quad_depth, samples);
+    }
+    std::uint32_t end_image() override {
+        if constexpr (R::facts.keeps_images) return renderer_.end_image();
+        return 0;
+    }
+    void free_image([[maybe_unused]] std::uint32_t image) override {
+        if constexpr (R::facts.keeps_images) renderer_.free_image(image);
+    }
+    std::size_t image_bytes([[maybe_unused]] int width, [[maybe_unused]] int height) const override {
+        if constexpr (R::facts.keeps_images) return renderer_.image_bytes(width, height);
+        return 0;
+    }
+    void draw([[maybe_unused]] std::span<const ImageQuad> quads) override {
+        if constexpr (R::facts.keeps_images) renderer_.draw(quads);
+    }
+
     const CoverageWork* work() const override {
         if constexpr (requires { renderer_.work(); }) return &renderer_.work();
         return nullptr;

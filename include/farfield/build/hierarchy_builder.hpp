@@ -1,7 +1,7 @@
 // A hierarchy is built in phases: split (cell_splitter.hpp, or polygon_splitter.hpp where polygons are cut) ->
-// order, depth first -> drafts of stand-ins, bottom up -> which of them pay -> which of these are needed
-// (prune_stand_ins.hpp)
-// -> freeze. Only freezing makes runs: policies may still move items before it.
+// order, depth first -> drafts of stand-ins, bottom up -> samples move up (move_up.hpp) -> which stand-ins pay -> which
+// of these are needed (prune_stand_ins.hpp) -> freeze. Only freezing makes runs: policies may still move items before
+// it.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -11,6 +11,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "farfield/build/build_control.hpp"
 #include "farfield/build/build_node.hpp"
 #include "farfield/build/cell_splitter.hpp"
+#include "farfield/build/move_up.hpp"
 #include "farfield/build/polygon_splitter.hpp"
 #include "farfield/build/prune_stand_ins.hpp"
 #include "farfield/composition.hpp"
@@ -51,7 +53,7 @@ class HierarchyBuilder {
             Splitter splitter(primitives_, partition_, approximation_, cost_, budget_, control_, data_);
             splitter.split();
             nodes_ = std::move(splitter.drafts());
-            order_depth_first(splitter);
+            order_depth_first([&](std::size_t n) { splitter.append_items(nodes_[n]); });
         }
         if constexpr (A::facts.stands_in) make_stand_ins();
         freeze();
@@ -70,8 +72,10 @@ class HierarchyBuilder {
     }
     using Splitter = typename decltype(splitter_type())::type;
 
-    /// New places of nodes (blocks of siblings, depth first) and of items; costs summed up from the leaves.
-    void order_depth_first(Splitter& splitter) {
+    /// New places of nodes (blocks of siblings, depth first) and of items, which append_items(node) appends to the
+    /// order; costs summed up from the leaves.
+    template <class AppendItems>
+    void order_depth_first(AppendItems&& append_items) {
         std::uint32_t next = 1, items = 0;
         std::vector<std::pair<std::uint32_t, bool>> stack{{0, false}};
         while (!stack.empty()) {
@@ -83,7 +87,7 @@ class HierarchyBuilder {
                 continue;
             }
             node.first_item = items;
-            splitter.append_items(node);
+            append_items(n);
             items += std::uint32_t(node.count);
             stack.emplace_back(n, true);
             const auto children = unsigned(std::popcount(node.child_mask));
@@ -113,7 +117,9 @@ class HierarchyBuilder {
         if constexpr (A::facts.merges_octants) {
             if (merges) merge(drafts);
         }
+        if constexpr (A::facts.samples_primitives) move_up();
         choose_what_pays(drafts);
+        if constexpr (A::facts.samples_primitives) drop_idle_nodes();
         if constexpr (A::facts.compares && Partition_::facts.children_are_octants) {
             prune_redundant_stand_ins<Partition_>(approximation_, std::span(nodes_),
                                                   std::span<const typename A::stand_in_draft>(drafts));
@@ -179,6 +185,107 @@ class HierarchyBuilder {
         }
     }
 
+    // --- samples
+
+    void move_up() {
+        constexpr std::size_t chunk = 4096;
+        const float scale = data_.facts.root.to_ordinary();
+        std::vector<float> areas(data_.order.size()), keys(areas.size());
+        control_.run_quietly((areas.size() + chunk - 1) / chunk, [&](std::size_t i) {
+            for (std::size_t at = i * chunk; at < std::min((i + 1) * chunk, areas.size()); ++at) {
+                areas[at] = area_of(std::uint32_t(at), scale);
+                keys[at] = areas[at] > 0 && may_move(data_.order[at])
+                               ? approximation_.sample_key(data_.order[at], areas[at])
+                               : std::numeric_limits<float>::infinity();
+            }
+        });
+        std::vector<std::uint32_t> moved;
+        moved.reserve(data_.order.size());
+        {
+            MoveUp<A, DraftCell> samples(approximation_, nodes_, data_.order, keys, areas, scale);
+            samples.find_samples();
+            sampled_cells_ = samples.sampled_cells();
+            order_depth_first([&](std::size_t n) {
+                const std::size_t first = moved.size();
+                samples.append_items(n, moved);
+                nodes_[n].count = moved.size() - first;
+                nodes_[n].cost = 0;
+                for (std::size_t at = first; at < moved.size(); ++at) {
+                    nodes_[n].cost += cost_.cost(work_of(primitives_[moved[at]]));
+                }
+            });
+        }
+        data_.order = std::move(moved);
+    }
+
+    /// Instances stay where they are: a cell further up would draw all that is in them.
+    bool may_move([[maybe_unused]] std::uint32_t primitive) const {
+        if constexpr (PrimitiveWithInstance<P>) {
+            return !primitive_traits<P>::visit_instance(primitives_[primitive], [](const auto&) {});
+        }
+        return true;
+    }
+
+    /// In squares of 1 / scale; an instance's is that of its stand-in.
+    float area_of(std::uint32_t position, float scale) const {
+        prefetch(position + 12);
+        const P& primitive = primitives_[data_.order[position]];
+        double doubled = 0;
+        local_polygons(primitive, data_.facts.origin, [&](const Polygon& polygon) {
+            doubled += double(glm::length(doubled_area<float>(
+                polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i] * scale; })));
+        });
+        return float(0.5 * doubled);
+    }
+
+    /// Takes away nodes that moving has emptied, and those below which nothing stands in any more and culling does not
+    /// pay.
+    void drop_idle_nodes() {
+        std::vector<char> stands_in_below(nodes_.size(), 0);
+        for (std::size_t n = nodes_.size(); n-- > 0;) {
+            DraftCell& node = nodes_[n];
+            const auto children =
+                std::span(nodes_).subspan(node.first_child, std::size_t(std::popcount(node.child_mask)));
+            for (std::size_t c = 0; c < children.size(); ++c) {
+                const bool stands_in =
+                    stands_in_below[node.first_child + c] != 0 || children[c].stand_in != no_stand_in;
+                if (stands_in) stands_in_below[n] = 1;
+            }
+            if (stands_in_below[n] == 0 && node.end_item - node.first_item <= max_items_unculled) {
+                drop_descendants(node);
+                continue;
+            }
+            unsigned mask = node.child_mask;
+            std::uint32_t first_left = 0;
+            for (DraftCell& child : children) {
+                const unsigned bit = mask & (0u - mask);
+                mask &= mask - 1;
+                if (child.first_item == child.end_item) {
+                    drop(child);
+                    node.child_mask = std::uint8_t(node.child_mask & ~bit);
+                } else if (first_left == 0) {
+                    first_left = std::uint32_t(&child - nodes_.data());
+                }
+            }
+            node.first_child = first_left;
+        }
+    }
+
+    /// The items of a node's descendants follow its own and become its own.
+    void drop_descendants(DraftCell& node) {
+        for (std::uint32_t n = node.first_child; node.child_mask != 0; ++n) {
+            if (nodes_[n].is_pruned) continue;
+            node.child_mask = std::uint8_t(node.child_mask & (node.child_mask - 1));
+            drop(nodes_[n]);
+        }
+        node.first_child = 0;
+    }
+    void drop(DraftCell& node) {
+        drop_descendants(node);
+        node.is_pruned = true;
+        --data_.facts.report.stand_ins_that_would_not_pay;
+    }
+
     /// Nodes in the order that they will have, which is that of the pool.
     std::vector<std::uint32_t> nodes_by_place() const {
         std::vector<std::uint32_t> order(nodes_.size());
@@ -192,7 +299,8 @@ class HierarchyBuilder {
         for (const std::uint32_t n : nodes_by_place()) {
             DraftCell& node = nodes_[n];
             const std::size_t pool_size = data_.pool.size();
-            const auto data = finished_stand_in(approximation_, node.cell, drafts[n], data_.pool);
+            auto data = finished_stand_in(approximation_, node.cell, drafts[n], data_.pool);
+            if constexpr (A::facts.samples_primitives) data = approximation_.sampled(data, sampled_cells_[n]);
             if (node.cost > least_cost_ && node.cost > cost_.cost(work_of_stand_in(approximation_, data))) {
                 node.stand_in = std::uint32_t(stand_ins_.size());
                 stand_ins_.push_back(data);
@@ -279,6 +387,7 @@ class HierarchyBuilder {
     std::vector<DraftCell> nodes_;                        ///< parents before children
     std::vector<typename A::stand_in_data> stand_ins_{};  ///< those that pay, by BuildNode::stand_in
     float least_cost_ = -1;                               ///< of a subtree that is drafted
+    std::vector<SampledCell> sampled_cells_;              ///< parallel to nodes_; empty where nothing moves
 };
 
 }  // namespace farfield::detail

@@ -35,6 +35,9 @@ struct MeasuredTime {
         return nullptr;
     }
 
+    /// The same with near triangles: what images are weighed against.
+    float near_cost(const Work& w) const { return cost(w) + (near_triangle - small_triangle) * w.triangles; }
+
     float cost(const Work& w) const {
         return small_triangle * w.triangles + face * w.faces + splat * w.splats + cell * w.cells + run * w.runs +
                image * w.images + texel * w.texels;

@@ -36,10 +36,12 @@
 namespace farfield {
 
 /// The order of a descent, settled at compile time. Translucent stand-ins need front to back, so that closed pixels
-/// stop work; a renderer that can only blend back to front is replayed them reversed after everything else.
+/// stop work, and images are translucent too; a renderer that can only blend back to front is replayed them reversed
+/// after everything else.
 template <class H, class R>
 inline constexpr VisitOrder traversal_order =
-    H::approximation_type::facts.stands_in ? VisitOrder::front_to_back : R::facts.order;
+    H::approximation_type::facts.stands_in || H::approximation_type::facts.caches_images ? VisitOrder::front_to_back
+                                                                                         : R::facts.order;
 
 namespace detail {
 
@@ -54,6 +56,18 @@ struct Entered {
     std::uint64_t path;  ///< as CellId's
 };
 
+enum class CellDrawn : std::uint8_t {
+    by_image,     ///< the sink has drawn it
+    in_parts,     ///< cells below may be drawn by images
+    as_contents,  ///< no cell below is
+};
+
+template <class Sink, class H>
+inline constexpr bool asks_for_images = requires {
+    Sink::keeps_images;
+}
+&&H::approximation_type::facts.caches_images;
+
 /// Sink is told, in order:
 ///
 ///     enter(entered), leave(entered)                what lies between is in that hierarchy's coordinates
@@ -61,6 +75,11 @@ struct Entered {
 ///     stand_in(entered, subtree)                    the subtree's stand-in
 ///     enter_instance(entered, position)             followed by enter() of what it holds; leave_instance(entered)
 ///     hidden(entered, subtree) -> bool              whether it cannot be seen behind what came before
+///
+/// and, if it has `keeps_images`, where the approximation caches images, of cells that may have one:
+///
+///     begin_cell(entered, subtree) -> CellDrawn     what is to be drawn of it
+///     end_cell(entered, subtree)                    after its contents, unless it was drawn by its image
 ///
 /// R is the renderer that it is chosen for. All but the sink is a viewer's own and lives from frame to frame.
 template <class R, class Sink>
@@ -82,6 +101,20 @@ class Descent {
         sink_.enter(v);
         Subtree whole = whole_of(h);
         visit(v, whole, LawOf<Visit<H, P>>());
+        sink_.leave(v);
+    }
+
+    /// A part of a hierarchy, as it would be drawn in its place, by a view of its own.
+    template <class H, class P>
+    void enter_at(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path,
+                  Subtree subtree) {
+        SourceState& state = sources_.find(h, primitives);
+        if constexpr (H::assignment == Assignment::shared) state.begin_epoch();
+        Visit<H, P> v{{h, source_of(h, primitives, state.id), view, path}, state};
+        subtree.crossed_planes = all_planes;
+        subtree.crossed_borders = all_borders;
+        sink_.enter(v);
+        visit(v, subtree, LawOf<Visit<H, P>>(), /*may_be_image=*/false);
         sink_.leave(v);
     }
 
@@ -109,7 +142,7 @@ class Descent {
 
     /// `law` is that of the nearest ancestor with a stand-in. Planes that the subtree does not cross are taken away.
     template <class V>
-    void visit(V& v, Subtree& subtree, LawOf<V> law) {
+    void visit(V& v, Subtree& subtree, LawOf<V> law, bool may_be_image = true) {
         ++stats_.cells_visited;
         if (is_outside(v.view.planes, subtree) || is_beyond_borders(v, subtree)) {
             ++stats_.cells_outside;
@@ -130,6 +163,22 @@ class Descent {
                 return;
             }
         }
+        if constexpr (asks_for_images<Sink, typename V::hierarchy_type>) {
+            if (may_be_image && may_have_image(v, items)) {
+                const CellDrawn drawn = sink_.begin_cell(v, subtree);
+                if (drawn == CellDrawn::by_image) return;
+                visit_contents(v, subtree, node, items, law, drawn == CellDrawn::in_parts);
+                sink_.end_cell(v, subtree);
+                return;
+            }
+        }
+        visit_contents(v, subtree, node, items, law, /*has_images_below=*/false);
+    }
+
+    template <class V>
+    void visit_contents(V& v, const Subtree& subtree, const Node& node, std::uint32_t items, LawOf<V> law,
+                        bool has_images_below) {
+        const auto& h = v.hierarchy;
         bool as_one_run = subtree.crossed_planes == 0 || items <= max_items_unculled;
         if constexpr (carries_law<V>) {
             if (deposits_ && subtree.has_stand_in()) {
@@ -137,11 +186,20 @@ class Descent {
             }
             if (law) as_one_run = items <= max_items_per_deposited_run;
         }
-        if (node.child_mask == 0 || (may_draw_whole<V> && as_one_run && !may_stand_in_below(v, subtree, node))) {
+        if (node.child_mask == 0 ||
+            (may_draw_whole<V> && as_one_run && !has_images_below && !may_stand_in_below(v, subtree, node))) {
             draw_whole(v, subtree, node, law);
         } else {
             visit_children(v, subtree, node, law);
         }
+    }
+
+    /// Images are kept of cells that hold much, or instances. What an instance holds is under a path of its own.
+    template <class V>
+    static bool may_have_image(const V& v, std::uint32_t items) {
+        const ImageCacheOptions& options = v.hierarchy.approximation_policy().images();
+        if (options.of_instances_only && v.path == 0) return false;
+        return PrimitiveWithInstance<typename V::primitive_type> || items >= options.least_items;
     }
 
     /// Items that are shared are deposited with the first of their cells, by its law: none may be passed over.

@@ -3,6 +3,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -96,6 +97,11 @@ class DrawNow {
                 splat.rgb = {c.r, c.g, c.b, splat.rgb.a};  // alpha is the law
             }
             to.queue_.add(v.source, splat);
+        }
+        void operator()(OwnRun run) const {
+            const std::uint32_t first = v.hierarchy.nodes()[subtree.node].first_item;
+            const std::uint32_t end = first + std::min(run.count, subtree.end_item - first);
+            to.queue_.add_run(v.source, first, end, std::nullopt);
         }
     };
 

@@ -191,6 +191,12 @@ class SourceTable {
         }
     }
 
+    /// False if the renderer is known to be gone.
+    bool has_renderer() const {
+        if constexpr (R::facts.tells_lifetime) return !renderer_lifetime_.expired();
+        return true;
+    }
+
   private:
     /// Calls f(instance, number of the primitive).
     template <class P, class F>
@@ -200,11 +206,6 @@ class SourceTable {
                 primitive_traits<P>::visit_instance(primitives[i], [&](const auto& instance) { f(instance, i); });
             }
         }
-    }
-
-    bool has_renderer() const {
-        if constexpr (R::facts.tells_lifetime) return !renderer_lifetime_.expired();
-        return true;
     }
 
     R& renderer_;

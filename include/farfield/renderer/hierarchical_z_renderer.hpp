@@ -77,7 +77,8 @@ class HierarchicalZRenderer {
                                          .draws_faces = true,
                                          .draws_splats = true,
                                          .answers_hidden = true,
-                                         .deposits_primitives = true};
+                                         .deposits_primitives = true,
+                                         .keeps_images = true};
 
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
     explicit HierarchicalZRenderer(const ZBufferOptions& options = {})
@@ -113,6 +114,19 @@ class HierarchicalZRenderer {
     }
     void draw(std::span<const Face> faces) { canvas_.draw(faces); }
     void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
+
+    void begin_image(const LocalView& view, float quad_depth, int samples) {
+        canvas_.begin_image(view, quad_depth, samples);
+        pyramid_.begin(canvas_.buffers().blocks());
+    }
+    std::uint32_t end_image() {
+        const std::uint32_t image = canvas_.end_image();
+        pyramid_.begin(canvas_.buffers().blocks());
+        return image;
+    }
+    void free_image(std::uint32_t image) { canvas_.free_image(image); }
+    std::size_t image_bytes(int width, int height) const { return canvas_.image_bytes(width, height); }
+    void draw(std::span<const ImageQuad> quads) { canvas_.draw(quads); }
 
     bool deposits_primitives() const { return canvas_.options().deposits_small_triangles; }
     /// This is two samples: a deposit then touches at most three by three.

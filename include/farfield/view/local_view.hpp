@@ -144,6 +144,30 @@ struct LocalView {
         return v;
     }
 
+    /// The view of a rectangle of the whole picture's pixels, first row topmost, that may reach beyond the picture or
+    /// lie outside of it: a whole picture by itself, whose samples lie where they lie in this one. "We redefine the
+    /// viewing frustum so that it contains the entire node without changing the viewpoint or the view direction" (Shade
+    /// et al. 1996, section 2).
+    LocalView rectangle(int left, int top, int rectangle_width, int rectangle_height) const {
+        const glm::dvec2 whole(part.whole_width, part.whole_height), size(rectangle_width, rectangle_height);
+        LocalView v = *this;
+        v.off_center = v.whole_off_center =
+            (whole_off_center * whole + (2.0 * glm::dvec2(left, top) + size - whole) * glm::dvec2(1, -1)) / size;
+        v.width = rectangle_width;
+        v.height = rectangle_height;
+        v.part = {0, 0, rectangle_width, rectangle_height};
+        v.set_planes();
+        return v;
+    }
+    /// The same view, with nothing drawn but what lies in a range of depths, in local units.
+    LocalView between(float near_limit, float far_limit) const {
+        LocalView v = *this;
+        v.near_depth = glm::max(near_depth, near_limit);
+        v.far_depth = glm::min(far_depth, far_limit);
+        v.set_planes();
+        return v;
+    }
+
     float depth(glm::vec3 p) const { return glm::dot(p - eye, forward); }
 
     /// Distance from the eye to the cell as `distance` defines it; 0 inside, never negative, never NaN.

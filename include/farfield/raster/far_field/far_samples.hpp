@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <vector>
 
 #include "farfield/geometry/area_law.hpp"
@@ -85,6 +86,15 @@ class FarSamples {
         for (int x = begin; x < end; ++x) into(row, x, q(x), deposit, columns, rows);
     }
 
+    /// Deposits into one sample inside the picture, covered whole.
+    template <class Depths>
+    void deposit_sample(const Depths& depths, int x, int y, float q, Loss loss, glm::vec3 rgb) {
+        const auto row = row_of(depths, y);
+        const native_lanes::Square whole(0, 0, 1, 1, 1, 1);
+        if (x < rect_.x0 || y < rect_.y0 || x >= rect_.x1 || y >= rect_.y1) rect_.add(x, y, x + 1, y + 1);
+        into(row, x, q, native_lanes::Deposit(loss, rgb), whole.columns(0), whole.rows(0));
+    }
+
     /// Deposits a square: each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are
     /// rounded to about 1/1000 of a sample, equal ones equally, so that adjoining squares cover nothing twice. The
     /// square is cut off at the picture's border.
@@ -143,6 +153,11 @@ class FarSamples {
         if ((bits.touched >> (x & 63) & 1) == 0) return nullptr;
         const std::size_t at = index(x, y);
         return first_deposit_[at] > depth ? &samples_[at] : nullptr;
+    }
+
+    /// The depth of the first and nearest deposit into a sample; -infinity: none counts.
+    float first_over(float depth, int x, int y) const {
+        return over(depth, x, y) != nullptr ? first_deposit_[index(x, y)] : -std::numeric_limits<float>::infinity();
     }
 
     /// Calls f(x, y) for every sample that was deposited into.

@@ -71,6 +71,29 @@ class SampleBuffers {
         far_.deposit_in_lane(blocks_, x - whole_x_, y - whole_y_, area, q, loss, rgb);
     }
 
+    /// Deposits something of this color, premultiplied, over what lies behind; coordinates from the upper left sample.
+    void deposit_sample(int x, int y, float q, Rgba8 color) {
+        const float opacity = float(color.a) * (1 / 255.0f);
+        const glm::vec3 rgb = glm::vec3(float(color.r), float(color.g), float(color.b)) * (1.0f / float(color.a));
+        far_.deposit_sample(blocks_, x, y, q, loss_of_opacity(opacity, AreaLaw::independent), rgb);
+    }
+
+    /// The mean depth, as q, of a pixel's samples that something covers: for each that of the nearest. -infinity: none.
+    float mean_depth(int px, int py) const {
+        float sum = 0;
+        int covered = 0;
+        for (int y = py * side_; y < (py + 1) * side_; ++y) {
+            for (int x = px * side_; x < (px + 1) * side_; ++x) {
+                float depth = blocks_.depth(x, y);
+                if (far_.has_begun()) depth = std::max(depth, far_.first_over(depth, x, y));
+                if (!(depth > -std::numeric_limits<float>::infinity())) continue;
+                sum += depth;
+                ++covered;
+            }
+        }
+        return covered > 0 ? sum / float(covered) : -std::numeric_limits<float>::infinity();
+    }
+
     /// Whether nothing as far as q or farther can change any sample of a rectangle (ends included), because each has
     /// nearer geometry or is closed, by deposits of which the first is nearer. May err towards no; a rectangle without
     /// samples gives yes.

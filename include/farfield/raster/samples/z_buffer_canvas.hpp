@@ -4,12 +4,16 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "farfield/fail.hpp"
 #include "farfield/image.hpp"
@@ -19,6 +23,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/samples/depth_tested_fill.hpp"
 #include "farfield/raster/samples/far_deposits.hpp"
+#include "farfield/raster/samples/kept_image.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
 #include "farfield/raster/source_slots.hpp"
 #include "farfield/raster/triangles/triangle_painter.hpp"
@@ -64,6 +69,7 @@ class ZBufferCanvas {
 
     /// Throws std::invalid_argument for images of no or too many samples: 16,000 on a side.
     void begin_frame(const LocalView& view) {
+        if (std::exchange(makes_image_, false)) leave_target();  // an exception ended the last frame
         check_image_size(view, side_, renderer_);
         projection_ = SampleProjection(view, side_);
         buffers_.begin(projection_, side_, options_.background);
@@ -74,6 +80,40 @@ class ZBufferCanvas {
         light_.set_view(view);
     }
     void end_frame() { buffers_.resolve(image_); }
+
+    /// See RendererFacts::keeps_images. Throws std::invalid_argument as a frame does.
+    void begin_image(const LocalView& view, float quad_depth, int samples) {
+        const int image_side = checked_samples_a_side(samples, renderer_);
+        check_image_size(view, image_side, renderer_);
+        makes_image_ = true;
+        std::swap(buffers_, target_);
+        frame_side_ = std::exchange(side_, image_side);
+        projection_ = SampleProjection(view, side_);
+        quad_depth_ = quad_depth - view.anchor_depth;
+        // Images come in all sizes. A target that grows and never shrinks is cleared only where it was drawn to.
+        const auto grown = [](int& size, int needed) { return size = std::max(size, (needed + 63) / 64 * 64); };
+        SampleProjection of_target = projection_;
+        of_target.end_x = of_target.first_x + grown(target_width_, view.width) * side_;
+        of_target.end_y = of_target.first_y + grown(target_height_, view.height) * side_;
+        buffers_.begin(of_target, side_, {0, 0, 0, 0});
+    }
+    std::uint32_t end_image() {
+        buffers_.resolve(target_image_);
+        std::uint32_t slot = 0;
+        while (slot < images_.size() && images_[slot].width != 0) ++slot;
+        if (slot == images_.size()) images_.emplace_back();
+        keep_image(images_[slot], buffers_, target_image_, projection_, quad_depth_, relative_depths_);
+        makes_image_ = false;
+        leave_target();
+        return slot + 1;
+    }
+    void free_image(std::uint32_t image) { images_[image - 1] = {}; }
+    std::size_t image_bytes(int width, int height) const { return KeptImage::bytes_of(width, height); }
+    void draw(std::span<const ImageQuad> quads) {
+        buffers_.begin_far();
+        ImageFill fill(projection_, buffers_);
+        for (const ImageQuad& quad : quads) fill.add(quad, images_[quad.image - 1]);
+    }
 
     /// Small triangles of ranges with a law are deposited if the options say so.
     template <class P, class Fill>
@@ -108,6 +148,11 @@ class ZBufferCanvas {
     }
 
   private:
+    void leave_target() {
+        std::swap(buffers_, target_);
+        side_ = frame_side_;
+    }
+
     /// Draws triangles [first, end) of a cell whose law is known. Not inlined, or g++ at -O1 warns that a law may be
     /// read unset, for ranges that never get here.
     template <class Painter>
@@ -153,6 +198,14 @@ class ZBufferCanvas {
     SourceSlots<TriangleStream> streams_;
     TriangleReader reader_;  ///< where streams keep no triangles
     Image image_;
+
+    bool makes_image_ = false;  ///< buffers_ and side_ are an image's, and target_ and frame_side_ the frame's
+    SampleBuffers target_;
+    int frame_side_ = 1, target_width_ = 0, target_height_ = 0;
+    float quad_depth_ = 0;  ///< from the anchor
+    Image target_image_;
+    std::vector<KeptImage> images_;       ///< by handle less 1; of no width where free
+    std::vector<float> relative_depths_;  ///< keep_image's
 };
 
 }  // namespace farfield::detail

@@ -1,0 +1,168 @@
+// The randomized sample tree of Klein, Krokowski, Fischer, Wand, Wanka, Meyer auf der Heide: The Randomized Sample
+// Tree: A Data Structure for Interactive Walkthroughs in Externally Stored Virtual Environments, VRST 2002.
+//
+// Inner cells hold samples of the polygons in them, so that a frame refines by adding: it draws what every cell on its
+// way holds, and where it stops, the rest of that cell by a stand-in of another approximation. The stand-in is made
+// from all that lies in the cell, and drawn as much fainter as a part of it has been drawn with the cells above.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <type_traits>
+
+#include "farfield/approximation.hpp"
+#include "farfield/approximation/area_splat.hpp"
+#include "farfield/approximation/sample_set/sample_size.hpp"
+#include "farfield/view/local_view.hpp"
+
+namespace farfield {
+
+/// `Inner` is what a cell is drawn by where a frame stops: AreaSplat is the paper's color of a cell (section 4.4),
+/// OpacityTensor one that knows directions.
+template <Approximation Inner = AreaSplat>
+requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
+    Inner inner{};
+    /// Theorem 1's constant: 13.8 has a cell wrong with a probability of 1e-6. sample_constant() gives it for a
+    /// probability of a correct image.
+    float c = 13.8f;
+    std::uint32_t seed = 0;
+    /// Where the tolerance is at most this, a cell that a frame stops at has its sample drawn too, before what stands
+    /// for the rest (section 4.2), by renderers of more than 4 samples a pixel; beyond it, not (4.5: splats of i
+    /// pixels, faster and less accurate). 0: never.
+    float samples_up_to_px = 1;
+    /// Cells that hold more area than this, in squares of their side, are drawn without their sample. More than one
+    /// sheet lies in them, and a sample shows the hidden ones through the gaps of the one in front (figure 5); a single
+    /// one has at most the square root of 3.
+    float most_areas_for_sample = 1.75f;
+
+    using stand_in_draft = typename Inner::stand_in_draft;
+    struct stand_in_data {
+        typename Inner::stand_in_data inner;
+        std::uint16_t left = 65535, sample = 0;  ///< SampledCell's, of 65535
+        std::uint32_t sample_size = 0;           ///< `all`: few more than it, which are drawn too
+    };
+    static constexpr ApproximationFacts facts{
+        .accepts = Assignment::unique,
+        .needs_polygons = true,
+        .needs_ordering = Inner::facts.needs_ordering,
+        .stands_in = true,
+        .merges_octants = Inner::facts.merges_octants,
+        .bounds_error = Inner::facts.bounds_error,
+        .samples_primitives = true,
+        .file_tag = Inner::facts.file_tag == 0 ? 0u : 0x53530001u ^ Inner::facts.file_tag};
+
+    const char* wrong_option() const {
+        if (const char* why = detail::wrong_option(inner)) return why;
+        if (!(c > 0 && c <= 1000)) return "SampleSet: c must lie above 0 and at most at 1000";
+        if (!(most_areas_for_sample >= 0)) return "SampleSet: most_areas_for_sample must be 0 or more";
+        return samples_up_to_px >= 0 ? nullptr : "SampleSet: samples_up_to_px must be 0 or more";
+    }
+
+    float sample_key(std::uint32_t index, double area) const { return detail::race_key(index, seed, area); }
+    std::uint32_t sample_size(double areas_per_side) const { return farfield::sample_size(areas_per_side, double(c)); }
+
+    bool merges_children() const requires(Inner::facts.merges_octants) { return inner.merges_children(); }
+    template <class Contents, OrthographicSampler Sampler>
+    stand_in_draft sample(const Cell& cell, Contents&& contents, Sampler& sampler) const {
+        return inner.sample(cell, contents, sampler);
+    }
+    void merge(const Cell& cell, stand_in_draft& own, std::span<const ChildDraft<stand_in_draft>> children) const
+        requires(Inner::facts.merges_octants) {
+        inner.merge(cell, own, children);
+    }
+    stand_in_data finish(const Cell& cell, const stand_in_draft& d) const { return {inner.finish(cell, d)}; }
+    stand_in_data sampled(const stand_in_data& data, SampledCell cell) const {
+        const auto part = [](float f) { return std::uint16_t(f * 65535 + 0.5f); };
+        if (cell.areas_per_side > most_areas_for_sample) return {data.inner, part(cell.left), 0, 0};
+        // A deposit is about as much work as eight triangles (TriangleCount).
+        const bool pays = cell.fixed != 0 || cell.items > cell.sample_size + 8;
+        return {data.inner, part(cell.left), part(cell.sample), pays ? cell.sample_size : all};
+    }
+
+    /// What a split adds for each child: a surface fills four of a cell's eight, and its sample is drawn with all of
+    /// them. Stand-ins that do not pay are not kept, nor cells without use; but where splats are large, cells of few
+    /// polygons are what a chessboard's time does not grow with.
+    Work expected_work() const { return {.triangles = 0.25f * c}; }
+    Work work(const stand_in_data& data) const { return detail::work_of_stand_in(inner, data.inner); }
+    bool is_sound(const stand_in_data& data) const {
+        if (data.sample > data.left) return false;
+        if constexpr (requires { inner.is_sound(data.inner); }) return inner.is_sound(data.inner);
+        return true;
+    }
+
+    /// With samples it is about the cell's projected bounding box (section 4.2), whose sides are 1.5 of the cell's on
+    /// average over directions; splats are as large as cells.
+    float error_px(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+        return inner.error_px(data.inner, cell, view) * (draws_samples(view) ? 1.5f : 1.0f);
+    }
+    float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const
+        requires(Inner::facts.bounds_error) {
+        return inner.least_error_px(cell, levels, view);
+    }
+
+    template <class Sink>
+    void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
+        // Where a sample of the picture is half a pixel or more, polygons smaller than a pixel are noise, and cost
+        // more.
+        const bool with_sample = draws_samples(view) && sink.splat_limit_px < 1 && data.sample_size != 0;
+        if (with_sample) sink(OwnRun{data.sample_size});
+        if (with_sample && data.sample_size == all) return;
+        const unsigned left = with_sample ? data.left - data.sample : data.left;
+        if (left == 0) return;
+        const Rest<std::remove_reference_t<Sink>> rest{sink, sink.splat_limit_px, 1 - float(left) / 65535};
+        if constexpr (knows_rest) {
+            inner.draw_stand_in(inner.rest_of(data.inner, rest.drawn), cell, view, rest);
+        } else {
+            inner.draw_stand_in(data.inner, cell, view, rest);
+        }
+    }
+
+    template <class Sink>
+    void polygons(const stand_in_data& data, const Cell& cell, Sink&& sink) const {
+        // Whoever takes them has not been given what lies above.
+        detail::stand_in_polygons(inner, data.inner, std::span<const detail::NoPool>(), cell, sink);
+    }
+
+  private:
+    static constexpr std::uint32_t all = std::numeric_limits<std::uint32_t>::max();  ///< that lies below the cell
+
+    bool draws_samples(const LocalView& view) const { return view.tolerance_px <= samples_up_to_px; }
+
+    /// An Inner may change its data itself, for a part of its areas that has been drawn.
+    static constexpr bool knows_rest = requires(const Inner& i, const typename Inner::stand_in_data& data) {
+        { i.rest_of(data, 0.0f) } -> std::same_as<typename Inner::stand_in_data>;
+    };
+
+    /// Sends on what is left of something of which a part is drawn already: if all would cover `a`, and the part drawn
+    /// covers its share of that, x, the rest has to cover (a - x) / (1 - x) of what x leaves. Opaque things stay
+    /// opaque.
+    template <class Sink>
+    struct Rest {
+        Sink& sink;
+        float splat_limit_px;
+        float drawn;
+
+        float factor(float a) const {
+            if constexpr (knows_rest) return 1;
+            const float left = 1 - a * drawn;
+            return left > 0 ? (1 - drawn) / left : 1.0f;
+        }
+        void operator()(Face face) const {
+            const float f = factor(float(face.rgba.a) / 255);
+            const auto fainter = [&](std::uint8_t v) { return std::uint8_t(float(v) * f + 0.5f); };
+            face.rgba = {fainter(face.rgba.r), fainter(face.rgba.g), fainter(face.rgba.b), fainter(face.rgba.a)};
+            sink(face);
+        }
+        void operator()(Splat splat) const {
+            splat.opacity *= factor(splat.opacity);
+            sink(splat);
+        }
+        void operator()(OwnRun run) const { sink(run); }
+    };
+};
+
+}  // namespace farfield

@@ -1,0 +1,245 @@
+// Chooses, before a frame is drawn, which cells are drawn by images and which of these are made anew: the UpdateCaches
+// of Shade et al. 1996, section 2, with its holes closed.
+//
+// The paper decides bottom up and makes images on the way, most of which no frame uses: their parent gets one too. Here
+// nothing is made before all is priced, and of cells one in another that pay the outermost gets the image. Every cell
+// gets a price on every way through: what is drawn by an image, what is hidden, and what holds the viewer. Cells at the
+// picture's edge are made whole, and are priced so.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "farfield/approximation.hpp"
+#include "farfield/cost_model.hpp"
+#include "farfield/frame/descent.hpp"
+#include "farfield/frame/kept_images.hpp"
+#include "farfield/frame/subtree.hpp"
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/view/local_view.hpp"
+
+namespace farfield::detail {
+
+/// Where the viewer will be, from the current frame on, in world units along right, up and forward of its view.
+struct ExpectedPath {
+    glm::vec3 step{0};                   ///< a frame, as in the last one
+    std::span<const glm::vec3> known{};  ///< where it is known: from here to the next frame's eye, the one after, ...
+    static constexpr std::uint32_t farthest = 1024;  ///< frames looked ahead
+
+    /// The displacement after k frames, k >= 1.
+    glm::vec3 after(std::uint32_t k) const {
+        if (known.empty()) return step * float(k);
+        return known[std::min<std::size_t>(k, known.size()) - 1];
+    }
+};
+
+/// The price of drawing triangles, `each_px` large in pixels: the price of small ones, or of near ones where the cost
+/// model has one.
+template <class C>
+float price_of(const C& costs, const Work& work, float each_px) {
+    const float small_price = costs.cost(work);
+    if constexpr (requires { costs.near_cost(work); }) {
+        // A triangle of an eighth of a pixel costs half as much more: most of those hit no sample.
+        return small_price + (costs.near_cost(work) - small_price) * (each_px / (each_px + 0.125f));
+    } else {
+        return small_price;
+    }
+}
+
+/// A cell that is to get an image, in the coordinates of its hierarchy. `draw` knows their types.
+template <class Maker>
+struct WantedImage {
+    std::uint32_t cell = 0;
+    const void* hierarchy = nullptr;
+    const void* primitives = nullptr;
+    std::size_t primitive_count = 0;
+    LocalView view;
+    Subtree subtree;
+    ImageRect rect;
+    float contents_price = 0;  ///< of drawing what the picture shows of it, by images below that are kept
+    float making_price = 0;    ///< of drawing all of it
+    void (*draw)(Maker&, const WantedImage&, const LocalView& image_view) = nullptr;
+};
+
+/// A descent's sink. `Maker` gets what is wanted: maker.draw_contents(hierarchy, primitives, view, path, subtree).
+template <class Maker>
+class ImageChooser {
+  public:
+    static constexpr bool keeps_images = true;
+
+    ImageChooser(KeptImages& kept, const ImageCacheOptions& options, const ExpectedPath& path,
+                 std::vector<WantedImage<Maker>>& wanted)
+        : kept_(kept), options_(options), path_(path), wanted_(wanted) {}
+
+    /// What drawing the frame costs without making images, in the unit of the cost model.
+    float price() const { return float(present_price_); }
+
+    void enter(const auto&) {}
+    void leave(const auto&) {}
+    void enter_instance(const auto&, std::uint32_t) {}
+    void leave_instance(const auto&) {}
+    template <class V>
+    void run(const V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, std::optional<AreaLaw>) {
+        using P = typename V::primitive_type;
+        const auto items = float(end - first);
+        const float triangles_each =
+            PrimitiveWithInstance<P> ? 1.0f : v.hierarchy.whole_work().triangles / float(v.hierarchy.item_count());
+        const Work work{.triangles = items * triangles_each, .cells = 1, .runs = 1};
+        // Seen from anywhere, a third of a box's rectangle is about what all triangles in it take, each squarely.
+        const float radius = length_of(subtree.cell.bounds_half);
+        const float away = std::max(length_of(subtree.cell.bounds_center - v.view.eye), radius);
+        const float side = v.view.pixels(1.15f * radius, away);
+        add(price_of(v.hierarchy.cost_policy(), work, side * side / (3 * work.triangles)));
+    }
+    template <class V>
+    void stand_in(const V& v, const Subtree& subtree) {
+        const auto& h = v.hierarchy;
+        Work work = work_of_stand_in(h.approximation_policy(), h.stand_ins()[subtree.stand_in]);
+        work += {.cells = 1};
+        add(h.cost_policy().cost(work));
+    }
+    /// Nothing is drawn yet. What was hidden in the last frame is taken as hidden.
+    template <class V>
+    bool hidden(const V& v, const Subtree& subtree) {
+        const KeptCell* cell = kept_.find({v.path, subtree.node});
+        return cell != nullptr && cell->hidden_frame + 1 == kept_.frame();
+    }
+
+    template <class V>
+    CellDrawn begin_cell(const V& v, const Subtree& subtree) {
+        const std::uint32_t index = kept_.index_of({v.path, subtree.node});
+        KeptCell& cell = kept_.cell(index);
+        cell.seen_frame = kept_.frame();
+        if (const CellImage* image = kept_.image_of(cell); image != nullptr && is_good(*image, v.view, options_)) {
+            cell.drawn_frame = kept_.frame();
+            const float drawing = price_of_drawing(v, *image);
+            price_ += drawing;
+            present_price_ += drawing;
+            whole_price_ += std::max(image->making_cost, drawing);
+            ++images_;
+            return CellDrawn::by_image;
+        }
+        open_.push_back({index, price_, present_price_, whole_price_, images_, wanted_.size()});
+        return CellDrawn::in_parts;
+    }
+
+    template <class V>
+    void end_cell(const V& v, const Subtree& subtree) {
+        const Open open = open_.back();
+        open_.pop_back();
+        KeptCell& cell = kept_.cell(open.cell);
+        if (!chooses(v, subtree, open)) {
+            if (images_ != open.images) cell.parts_frame = kept_.frame();
+            return;
+        }
+        images_ = open.images + 1;
+    }
+
+  private:
+    struct Open {
+        std::uint32_t cell;
+        double price, present_price, whole_price;
+        std::size_t images, wanted;
+    };
+
+    void add(float price) {
+        price_ += price;
+        present_price_ += price;
+        whole_price_ += price;
+    }
+
+    template <class V>
+    static float price_of_drawing(const V& v, const CellImage& image) {
+        const glm::vec2 size =
+            glm::vec2(length_of(image.across), length_of(image.down)) * v.view.focal_px * v.view.squeeze;
+        return v.hierarchy.cost_policy().cost(
+            {.images = float(image.slices), .texels = size.x * size.y * float(image.slices), .cells = 1});
+    }
+
+    /// "amortizedCost < cost to draw contents" (UpdateNode). If so the cell is wanted, and nothing below it.
+    template <class V>
+    bool chooses(const V& v, const Subtree& subtree, const Open& open) {
+        const auto contents = float(price_ - open.price), whole = float(whole_price_ - open.whole_price);
+        const Cell& cell = subtree.cell;
+        const LocalView& view = v.view;
+        if (view.is_perspective && cell.bounds().contains(view.eye)) return false;
+        if (kept_.cell(open.cell).refused_frame + 64 > kept_.frame() && kept_.cell(open.cell).refused_frame != 0)
+            return false;
+        // To find out how long an image lives costs as much as to draw some.
+        constexpr float deciding = 32;
+        if (!(contents > deciding * v.hierarchy.cost_policy().cost({.images = float(options_.slices)}))) return false;
+        const std::optional<ImageRect> rect = image_rect(view, cell.bounds_center, cell.bounds_half);
+        // "If the dimensions of the rectangle exceed those of the viewport, no image is cached."
+        if (!rect || rect->width > view.part.whole_width || rect->height > view.part.whole_height) return false;
+        const CellImage planned = planned_image(view, cell.bounds_center, cell.bounds_half, *rect, options_.slices);
+        const float drawing = price_of_drawing(v, planned);
+        if (!(drawing < contents)) return false;
+        const float making = whole / visible_part(view, *rect) * making_factor();
+        LocalView later = view;
+        const std::uint32_t lives =
+            1 + life_span(ExpectedPath::farthest, [&](std::uint32_t k) {
+                const glm::vec3 moved = path_.after(k);
+                later.eye = view.eye + (view.right * moved.x + view.up * moved.y + view.forward * moved.z) / view.scale;
+                return is_good(planned, later, options_);
+            });
+        const float amortized = making / float(lives) + drawing;
+        if (!(amortized < contents)) return false;
+        price_ = open.price + double(amortized);
+        wanted_.erase(wanted_.begin() + std::ptrdiff_t(open.wanted), wanted_.end());
+        wanted_.push_back({.cell = open.cell,
+                           .hierarchy = &v.hierarchy,
+                           .primitives = v.source.primitives.data(),
+                           .primitive_count = v.source.primitives.size(),
+                           .view = view,
+                           .subtree = subtree,
+                           .rect = *rect,
+                           .contents_price = float(present_price_ - open.present_price),
+                           .making_price = making,
+                           .draw = &draw_wanted<V>});
+        return true;
+    }
+
+    /// The part of a rectangle that lies in the picture; above 0.
+    static float visible_part(const LocalView& view, const ImageRect& rect) {
+        const auto overlap = [](int first, int size, int whole) {
+            return float(std::max(std::min(first + size, whole) - std::max(first, 0), 1)) / float(size);
+        };
+        return overlap(rect.left, rect.width, view.part.whole_width) *
+               overlap(rect.top, rect.height, view.part.whole_height);
+    }
+    /// Slices are drawn one by one, and what crosses two is drawn twice.
+    float making_factor() const { return 1 + 0.25f * float(options_.slices - 1); }
+
+    template <class V>
+    static void draw_wanted(Maker& maker, const WantedImage<Maker>& wanted, const LocalView& image_view) {
+        using P = typename V::primitive_type;
+        const auto& h = *static_cast<const typename V::hierarchy_type*>(wanted.hierarchy);
+        const std::span<const P> primitives(static_cast<const P*>(wanted.primitives), wanted.primitive_count);
+        maker.draw_contents(h, primitives, image_view, maker.path_of(wanted.cell), wanted.subtree);
+    }
+
+    KeptImages& kept_;
+    const ImageCacheOptions& options_;
+    const ExpectedPath& path_;
+    std::vector<WantedImage<Maker>>& wanted_;
+    std::vector<Open> open_;  ///< cells begun and not ended
+    /// Of what has been priced so far: with the images that are wanted, their making spread over their lives; as it
+    /// would be drawn if none were made; and without any images.
+    double price_ = 0, present_price_ = 0, whole_price_ = 0;
+    std::size_t images_ = 0;
+};
+
+}  // namespace farfield::detail

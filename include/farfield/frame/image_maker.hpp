@@ -1,0 +1,221 @@
+// Makes images of cells and draws a frame with them: the CreateCache and Render of Shade et al. 1996, section 2.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "farfield/drawables.hpp"
+#include "farfield/frame/descent.hpp"
+#include "farfield/frame/draw_now.hpp"
+#include "farfield/frame/draw_queue.hpp"
+#include "farfield/frame/image_chooser.hpp"
+#include "farfield/frame/instance_stack.hpp"
+#include "farfield/frame/kept_images.hpp"
+#include "farfield/frame/source_table.hpp"
+#include "farfield/geometry/length.hpp"
+#include "farfield/view.hpp"
+
+namespace farfield::detail {
+
+/// A descent's sink that draws at once, and cells by images where there are some. In a frame these are the ones chosen;
+/// in an image, those of cells below that are good enough to be seen through two: their error is inherited, so it may
+/// be half the threshold, and the image is good only inside the spheres in which theirs stays so. ("The safety zone of
+/// an interior node is computed by [...] taking the intersection of this safety zone with the safety zones of the
+/// children.")
+template <class R>
+class DrawWithImages : public DrawNow<R> {
+  public:
+    static constexpr bool keeps_images = true;
+
+    DrawWithImages(R& renderer, DrawQueue<R>& queue, KeptImages& kept, const ImageCacheOptions& options,
+                   bool is_in_image)
+        : DrawNow<R>(renderer, queue, tint_),
+          renderer_(renderer),
+          queue_(queue),
+          kept_(kept),
+          options_(options),
+          is_in_image_(is_in_image) {}
+
+    template <class V>
+    bool hidden(const V& v, const Subtree& subtree) {
+        const bool is_hidden = DrawNow<R>::hidden(v, subtree);
+        if (is_hidden && !is_in_image_) {
+            if (KeptCell* cell = kept_.find({v.path, subtree.node})) cell->hidden_frame = kept_.frame();
+        }
+        return is_hidden;
+    }
+    template <class V>
+    CellDrawn begin_cell(const V& v, const Subtree& subtree) {
+        const KeptCell* cell = kept_.find({v.path, subtree.node});
+        if (cell == nullptr) return CellDrawn::as_contents;  // cells above those with images are known
+        const CellImage* image = kept_.image_of(*cell);
+        if (image != nullptr && (is_in_image_ ? may_be_in_image(v, *image) : is_drawn(v, *cell, *image))) {
+            queue_.flush(v.source);
+            for (int i = 0; i < image->slices; ++i) quads_[std::size_t(i)] = image->quad(i);
+            renderer_.draw(std::span<const ImageQuad>(quads_.data(), std::size_t(image->slices)));
+            ++images_;
+            return CellDrawn::by_image;
+        }
+        const bool has_parts = cell->parts_frame == kept_.frame() || cell->hidden_frame + 1 == kept_.frame();
+        return has_parts ? CellDrawn::in_parts : CellDrawn::as_contents;
+    }
+    void end_cell(const auto&, const Subtree&) {}
+
+    std::size_t images() const { return images_; }
+    float inherited_radius() const { return inherited_radius_; }
+
+  private:
+    template <class V>
+    bool is_drawn(const V& v, const KeptCell& cell, const CellImage& image) const {
+        if (cell.drawn_frame == kept_.frame()) return true;
+        // Nothing was chosen of what had been hidden.
+        return cell.drawn_frame != 0 && cell.hidden_frame + 1 == kept_.frame() && is_good(image, v.view, options_);
+    }
+    template <class V>
+    bool may_be_in_image(const V& v, const CellImage& image) {
+        if (image.is_of_images || options_.slices > 1) return false;
+        const float half = sine_of_pixels(0.5f * options_.threshold_px, v.view);
+        const float radius =
+            options_.is_conservative ? conservative_radius(image.place, half) : safety_radius(image.place, half);
+        const float left = radius - length_of(v.view.eye - image.place.eye);
+        if (!(left > 0) || !is_good(image, v.view, options_, 0.5f)) return false;
+        inherited_radius_ = std::min(inherited_radius_, left * v.view.scale);
+        return true;
+    }
+
+    static constexpr AsTheyAre tint_{};
+    R& renderer_;
+    DrawQueue<R>& queue_;
+    KeptImages& kept_;
+    const ImageCacheOptions& options_;
+    bool is_in_image_;
+    std::size_t images_ = 0;
+    float inherited_radius_ = std::numeric_limits<float>::infinity();  ///< world units
+    std::array<ImageQuad, ImageCacheOptions::most_slices> quads_;
+};
+
+/// A viewer's own, with all that it keeps of images. Borrows the renderer and the table of sources.
+template <class R>
+class ImageMaker {
+  public:
+    ImageMaker(R& renderer, SourceTable<R>& sources)
+        : renderer_(renderer), sources_(sources), queue_(renderer, stats_) {}
+    ~ImageMaker() {
+        if (sources_.has_renderer()) free_all();
+    }
+    ImageMaker(const ImageMaker&) = delete;
+    ImageMaker& operator=(const ImageMaker&) = delete;
+
+    KeptImages& kept() { return kept_; }
+    void free_all() {
+        kept_.forget_all([&](std::uint32_t handle) { renderer_.free_image(handle); });
+    }
+
+    /// Between the renderer's begin_frame and whatever is drawn: chooses, and makes what is wanted. `view` is the
+    /// outermost hierarchy's. Returns how many were made.
+    template <class H, class P>
+    std::size_t update(const H& hierarchy, std::span<const P> primitives, const LocalView& view,
+                       const ExpectedPath& path, InstanceStack& instances, bool deposits) {
+        const ImageCacheOptions& options = hierarchy.approximation_policy().images();
+        instances_ = &instances;
+        deposits_ = deposits;
+        options_ = &options;
+        kept_.begin_frame();
+        wanted_.clear();
+        stats_ = {};
+        ImageChooser<ImageMaker> chooser(kept_, options, path, wanted_);
+        Descent<R, ImageChooser<ImageMaker>> descent(sources_, instances, stats_, chooser, deposits);
+        descent.enter(hierarchy, primitives, view, 0);
+        float overhead = options.most_overhead * chooser.price();
+        std::size_t made = 0;
+        for (const WantedImage<ImageMaker>& wanted : wanted_) {
+            const float more = std::max(0.0f, wanted.making_price - wanted.contents_price);
+            if (made == options.most_made || more > overhead) continue;
+            if (!make(wanted)) continue;
+            overhead -= more;
+            ++made;
+        }
+        return made;
+    }
+
+    std::uint64_t path_of(std::uint32_t cell) { return kept_.cell(cell).id.path; }
+
+    /// Draws a subtree, all of it, as the image's view sees it.
+    template <class H, class P>
+    void draw_contents(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path,
+                       const Subtree& subtree) {
+        queue_.begin_frame();
+        DrawWithImages<R> sink(renderer_, queue_, kept_, *options_, /*is_in_image=*/true);
+        Descent<R, DrawWithImages<R>> descent(sources_, *instances_, stats_, sink, deposits_);
+        descent.enter_at(h, primitives, view, path, subtree);
+        queue_.replay();
+        images_in_image_ = sink.images();
+        inherited_radius_ = sink.inherited_radius();
+    }
+
+  private:
+    /// "If the dimensions [fit] we redefine the viewing frustum so that it contains the entire node without changing
+    /// the viewpoint or the view direction, and render the node."
+    bool make(const WantedImage<ImageMaker>& wanted) {
+        KeptCell& cell = kept_.cell(wanted.cell);
+        const auto free_handle = [&](std::uint32_t handle) { renderer_.free_image(handle); };
+        if (cell.image != KeptCell::no_image) kept_.forget(cell, free_handle);
+        const std::uint64_t bytes = std::uint64_t(options_->slices) *
+                                    std::uint64_t(renderer_.image_bytes(wanted.rect.width, wanted.rect.height));
+        if (!kept_.make_room(bytes, options_->budget_bytes, free_handle)) return false;
+        CellImage image = planned_image(wanted.view, wanted.subtree.cell.bounds_center, wanted.subtree.cell.bounds_half,
+                                        wanted.rect, options_->slices);
+        const LocalView view =
+            wanted.view.rectangle(wanted.rect.left, wanted.rect.top, wanted.rect.width, wanted.rect.height);
+        float inherited = std::numeric_limits<float>::infinity();
+        for (int i = 0; i < image.slices; ++i) {
+            const auto at = std::size_t(i);
+            LocalView slice = view;
+            if (image.slices > 1) {
+                const float none = std::numeric_limits<float>::infinity();
+                slice =
+                    view.between(i == 0 ? -none : image.ends[at], i + 1 == image.slices ? none : image.ends[at + 1]);
+            }
+            renderer_.begin_image(slice, image.depths[at], options_->samples);
+            wanted.draw(*this, wanted, slice);
+            image.handles[at] = renderer_.end_image();
+            if (image.handles[at] == 0) {
+                for (int done = 0; done < i; ++done) free_handle(image.handles[std::size_t(done)]);
+                cell.refused_frame = kept_.frame();
+                return false;
+            }
+            image.is_of_images = image.is_of_images || images_in_image_ != 0;
+            inherited = std::min(inherited, inherited_radius_);
+        }
+        image.inherited_radius = inherited / wanted.view.scale;
+        image.bytes = bytes;
+        image.making_cost = wanted.making_price;
+        kept_.keep(cell, image);
+        cell.drawn_frame = kept_.frame();
+        return true;
+    }
+
+    R& renderer_;
+    SourceTable<R>& sources_;
+    FrameStats stats_;  ///< nobody reads what choosing and making count
+    DrawQueue<R> queue_;
+    KeptImages kept_;
+    std::vector<WantedImage<ImageMaker>> wanted_;
+    const ImageCacheOptions* options_ = nullptr;
+    InstanceStack* instances_ = nullptr;
+    bool deposits_ = false;
+    std::size_t images_in_image_ = 0;
+    float inherited_radius_ = std::numeric_limits<float>::infinity();
+};
+
+}  // namespace farfield::detail

@@ -1,0 +1,325 @@
+// An image of a part of the scene that a renderer keeps, and how it is drawn as a rectangle in space (Shade et al.
+// 1996, section 2).
+//
+// Beyond the paper each texel remembers its depth, as G. Schaufler's nailboards do ("Nailboards: A Rendering Primitive
+// for Image Caching in Dynamic Scenes", Eurographics Workshop on Rendering 1997). A rectangle at one depth cannot be
+// tested against its neighbors: it reaches out of its cell, and what lies in another cell would be drawn before it or
+// behind it at once. With depths, images go into the z-buffer as what they show would, in any order.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "farfield/drawables.hpp"
+#include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/rgba8.hpp"
+#include "farfield/image.hpp"
+#include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/samples/sample_blocks.hpp"
+#include "farfield/raster/samples/sample_buffers.hpp"
+
+namespace farfield::detail {
+
+/// Texels, row by row, inside a border of one transparent texel.
+///
+/// A texel's depth is told relative to the rectangle's: in perspective as the quotient of inverse depths, which hardly
+/// changes while the viewer moves as little as an image allows; in a parallel view as a difference.
+struct KeptImage {
+    int width = 0, height = 0;  ///< without the border
+    std::vector<Rgba8> color;   ///< premultiplied
+    std::vector<std::uint16_t> depth;
+    float least_depth = 1, depth_step = 0;
+    std::vector<std::uint8_t> tiles;  ///< of 8 x 8 texels, the border counted: 0 where nothing is
+
+    static constexpr int log2_tile = 3, tile = 1 << log2_tile;
+    std::size_t tile_columns() const { return (stride() + tile - 1) / tile; }
+    static constexpr std::size_t bytes_of(int width, int height) {
+        const std::size_t columns = std::size_t(width) + 2, rows = std::size_t(height) + 2;
+        return columns * rows * (sizeof(Rgba8) + sizeof(std::uint16_t)) +
+               ((columns + tile - 1) / tile) * ((rows + tile - 1) / tile);
+    }
+    std::size_t stride() const { return std::size_t(width) + 2; }
+};
+
+/// What has to be added to q before it is proportional to the inverse depth from the eye.
+inline float depth_bias_of(const SampleProjection& projection) {
+    return projection.is_perspective ? -projection.q_of_depth : 0.0f;
+}
+
+/// Takes an image of the size that `projection` has from what was drawn. `colors` is its picture, at least as large;
+/// the rectangle lies at `quad_depth` from the projection's anchor. `scratch` is kept from call to call.
+inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Image& colors,
+                       const SampleProjection& projection, float quad_depth, std::vector<float>& scratch) {
+    const int side = buffers.samples_a_side();
+    kept.width = projection.whole_width / side;
+    kept.height = projection.whole_height / side;
+    const std::size_t stride = kept.stride(), count = stride * (std::size_t(kept.height) + 2);
+    kept.color.assign(count, {0, 0, 0, 0});
+    kept.depth.assign(count, 0);
+    kept.tiles.assign(kept.tile_columns() * ((std::size_t(kept.height) + 1 + KeptImage::tile) / KeptImage::tile), 0);
+    const float bias = depth_bias_of(projection), quad = projection.q(quad_depth, projection.inverse_w(quad_depth));
+    const bool by_quotient = projection.is_perspective;
+    const float neutral = by_quotient ? 1.0f : 0.0f;
+    // NaN stands for a texel without depth.
+    scratch.assign(count, std::numeric_limits<float>::quiet_NaN());
+    float least = neutral, most = neutral;
+    for (int y = 0; y < kept.height; ++y) {
+        const std::size_t row = std::size_t(y + 1) * stride + 1;
+        for (int x = 0; x < kept.width; ++x) {
+            const Rgba8 c = colors.at(x, y);
+            if (c.a == 0) continue;
+            kept.color[row + std::size_t(x)] = c;
+            kept.tiles[std::size_t(y + 1) / KeptImage::tile * kept.tile_columns() +
+                       std::size_t(x + 1) / KeptImage::tile] = 1;
+            const float q = buffers.mean_depth(x, y);
+            const float relative = by_quotient ? (q + bias) / (quad + bias) : q - quad;
+            if (!std::isfinite(relative)) continue;
+            scratch[row + std::size_t(x)] = relative;
+            least = std::min(least, relative);
+            most = std::max(most, relative);
+        }
+    }
+    kept.least_depth = least;
+    kept.depth_step = (most - least) / 65535;
+    const float steps = most > least ? 65535 / (most - least) : 0;
+    const auto at = [&](std::size_t i) { return std::uint16_t((scratch[i] - least) * steps + 0.5f); };
+    const auto middle = std::uint16_t((neutral - least) * steps + 0.5f);
+    for (std::size_t i = 0; i < count; ++i) {
+        kept.depth[i] = middle;
+        if (!std::isnan(scratch[i])) {
+            kept.depth[i] = at(i);
+            continue;
+        }
+        // Between texels the nearest one's depth is taken, so those at a silhouette's edge have their neighbor's.
+        for (const std::size_t step : {std::size_t(1), stride}) {
+            if (i + step < count && !std::isnan(scratch[i + step])) kept.depth[i] = at(i + step);
+            if (i >= step && !std::isnan(scratch[i - step])) kept.depth[i] = at(i - step);
+        }
+    }
+}
+
+/// Four bytes mixed at once: (256 - part) of a and `part` of b.
+inline std::uint32_t mixed_bytes(std::uint32_t a, std::uint32_t b, std::uint32_t part) {
+    constexpr std::uint32_t even = 0x00ff00ff;
+    const std::uint32_t rest = 256 - part;
+    const std::uint32_t low = ((a & even) * rest + (b & even) * part + 0x00800080) >> 8 & even;
+    const std::uint32_t high = ((a >> 8 & even) * rest + (b >> 8 & even) * part + 0x00800080) & ~even;
+    return low | high;
+}
+
+/// Draws images into samples: opaque texels into the z-buffer, the others as deposits over it.
+/// SampleBuffers::begin_far() must come before.
+class ImageFill {
+  public:
+    ImageFill(const SampleProjection& projection, SampleBuffers& buffers)
+        : projection_(projection), buffers_(buffers) {}
+
+    void add(const ImageQuad& quad, const KeptImage& image) {
+        if (!place(quad, image)) return;
+        bias_ = depth_bias_of(projection_);
+        for (int y = y0_; y < y1_; ++y) fill_row(image, y);
+        if (has_drawn_) buffers_.blocks().add_drawn(x0_, y0_, x1_, y1_);
+        has_drawn_ = false;
+    }
+
+  private:
+    /// A linear function of sample positions, relative to the upper left sample.
+    struct Linear {
+        double x = 0, y = 0, at_zero = 0;
+    };
+
+    /// Finds where the rectangle lies in the picture, and texels from samples. With X, Y before division and w, all
+    /// linear in texels (u, v), M (u, v, 1) = w (x, y, 1); so M^-1 (x, y, 1) = (u, v, 1) / w, linear in samples.
+    bool place(const ImageQuad& quad, const KeptImage& image) {
+        const auto projected = [&](glm::vec3 p) { return glm::dvec3(projection_.project(p)); };
+        const glm::dvec3 corner = projected(quad.corner);
+        const glm::dvec3 across = (projected(quad.corner + quad.across) - corner) / double(image.width);
+        const glm::dvec3 down = (projected(quad.corner + quad.down) - corner) / double(image.height);
+        const double weight = double(projection_.depth_weight), bias = double(projection_.depth_bias);
+        const auto column = [&](const glm::dvec3& d, double w) { return glm::dvec3(d.x, d.y, w); };
+        const glm::dmat3 to_samples(column(across, across.z * weight), column(down, down.z * weight),
+                                    column(corner, corner.z * weight + bias));
+        const double determinant = glm::determinant(to_samples);
+        if (!std::isfinite(determinant) || determinant == 0) return false;
+        glm::dvec2 low(std::numeric_limits<double>::infinity()), high = -low;
+        for (unsigned i = 0; i < 4; ++i) {
+            const glm::dvec3 p = to_samples * glm::dvec3((i & 1) ? image.width : 0, (i & 2) ? image.height : 0, 1);
+            if (!(p.z > 0)) return false;
+            const glm::dvec2 at =
+                (glm::dvec2(p) / p.z + glm::dvec2(projection_.offset_x, projection_.offset_y)) / 256.0;
+            low = glm::min(low, at);
+            high = glm::max(high, at);
+        }
+        const glm::dvec2 first(projection_.first_x, projection_.first_y);
+        const glm::dvec2 end(projection_.end_x, projection_.end_y);
+        low = glm::clamp(low - 1.0, first, end) - first;
+        high = glm::clamp(high + 1.0, first, end) - first;
+        x0_ = int(std::floor(low.x));
+        y0_ = int(std::floor(low.y));
+        x1_ = int(std::ceil(high.x));
+        y1_ = int(std::ceil(high.y));
+        if (x0_ >= x1_ || y0_ >= y1_) return false;
+        const glm::dmat3 to_texels = glm::inverse(to_samples);
+        const glm::dvec2 origin((first.x + 0.5) * 256 - double(projection_.offset_x),
+                                (first.y + 0.5) * 256 - double(projection_.offset_y));
+        const auto linear = [&](int row) {
+            const double x = to_texels[0][row], y = to_texels[1][row];
+            return Linear{x * 256, y * 256, x * origin.x + y * origin.y + to_texels[2][row]};
+        };
+        u_ = linear(0);
+        v_ = linear(1);
+        inverse_w_ = linear(2);
+        depth_at_corner_ = corner.z;
+        depth_across_ = across.z;
+        depth_down_ = down.z;
+        return true;
+    }
+
+    /// Where eight samples of a row lie in the image: in 1/65536 texels from the border's first, and the rectangle's
+    /// depth. Between the ends of such a run all of it is as good as linear.
+    struct Run {
+        std::int32_t u, v, u_step, v_step;
+        float q, q_step;
+        bool is_inside;  ///< all of them touch texels, the border counted
+    };
+
+    void fill_row(const KeptImage& image, int y) {
+        SampleBlocks& blocks = buffers_.blocks();
+        for (int x = x0_; x < x1_;) {
+            const int next = std::min((x | (SampleBlocks::side - 1)) + 1, x1_);
+            const std::size_t at = blocks.index(x >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
+            Run run;
+            if (place_run(image, x, next - 1, y, run) && !is_hidden(image, run, next - x, blocks.farthest(at)) &&
+                holds_something(image, run, next - x)) {
+                fill_run(image, run, at, x, next, y);
+            }
+            x = next;
+        }
+    }
+
+    /// False if they lie outside of the image.
+    bool place_run(const KeptImage& image, int first, int last, int y, Run& run) const {
+        struct End {
+            float u, v, q;
+        };
+        const auto at = [&](int x) {
+            const auto linear = [&](const Linear& l) { return float(l.x * x + (l.y * y + l.at_zero)); };
+            const float inverse_w = linear(inverse_w_), w = 1 / inverse_w;
+            // Relative to the centers of texels, and one more for the border.
+            const float u = linear(u_) * w + 0.5f, v = linear(v_) * w + 0.5f;
+            const float depth =
+                float(depth_at_corner_) + float(depth_across_) * (u - 0.5f) + float(depth_down_) * (v - 0.5f);
+            return End{u, v, projection_.q(depth, inverse_w)};
+        };
+        const End a = at(first), b = first == last ? a : at(last);
+        const auto right = float(image.width + 1), bottom = float(image.height + 1);
+        if (!(std::max(a.u, b.u) >= 0 && std::max(a.v, b.v) >= 0 && std::min(a.u, b.u) < right &&
+              std::min(a.v, b.v) < bottom))
+            return false;
+        // Nothing is magnified or made smaller so much that eight samples span more.
+        constexpr float most = 16384;
+        if (!(std::abs(a.u) < most && std::abs(b.u) < most && std::abs(a.v) < most && std::abs(b.v) < most))
+            return false;
+        const auto whole = [](float v) { return std::int32_t(std::lround(v * 65536)); };
+        const std::int32_t u = whole(a.u), v = whole(a.v), u_end = whole(b.u), v_end = whole(b.v);
+        const int steps = std::max(last - first, 1);
+        run = {u,
+               v,
+               (u_end - u) / steps,
+               (v_end - v) / steps,
+               a.q,
+               (b.q - a.q) / float(steps),
+               std::min(a.u, b.u) >= 0 && std::min(a.v, b.v) >= 0 && std::max(a.u, b.u) < right - 0.01f &&
+                   std::max(a.v, b.v) < bottom - 0.01f};
+        return true;
+    }
+
+    /// Whether all samples of the block are nearer than anything in the image.
+    bool is_hidden(const KeptImage& image, const Run& run, int count, float farthest) const {
+        return farthest > at_relative(std::max(run.q, run.q + run.q_step * float(count - 1)),
+                                      image.least_depth + 65535 * image.depth_step);
+    }
+    float at_relative(float quad_q, float relative) const {
+        return projection_.is_perspective ? (quad_q + bias_) * relative - bias_ : quad_q + relative;
+    }
+
+    static bool holds_something(const KeptImage& image, const Run& run, int count) {
+        const auto tiles_of = [](std::int32_t first, std::int32_t last, int size) {
+            const int low = std::max(std::min(first, last) >> 16, 0),
+                      high = std::min((std::max(first, last) >> 16) + 1, size);
+            return std::pair(low >> KeptImage::log2_tile, high >> KeptImage::log2_tile);
+        };
+        const auto [left, right] = tiles_of(run.u, run.u + run.u_step * (count - 1), image.width + 1);
+        const auto [top, bottom] = tiles_of(run.v, run.v + run.v_step * (count - 1), image.height + 1);
+        for (int row = top; row <= bottom; ++row) {
+            for (int column = left; column <= right; ++column) {
+                if (image.tiles[std::size_t(row) * image.tile_columns() + std::size_t(column)] != 0) return true;
+            }
+        }
+        return false;
+    }
+
+    void fill_run(const KeptImage& image, const Run& run, std::size_t at, int first, int end, int y) {
+        SampleBlocks& blocks = buffers_.blocks();
+        SampleBlocks::Samples* samples = nullptr;
+        float nearest = -std::numeric_limits<float>::infinity();
+        const std::size_t stride = image.stride();
+        std::int32_t u = run.u + 128, v = run.v + 128;  // rounded to 1/256
+        float quad_q = run.q;
+        for (int x = first; x < end; ++x, u += run.u_step, v += run.v_step, quad_q += run.q_step) {
+            const int column = u >> 16, row = v >> 16;
+            if (!run.is_inside && (column < 0 || row < 0 || column > image.width || row > image.height)) continue;
+            const std::size_t texel = std::size_t(row) * stride + std::size_t(column);
+            std::uint32_t upper[2], lower[2];
+            __builtin_memcpy(upper, image.color.data() + texel, sizeof upper);
+            __builtin_memcpy(lower, image.color.data() + texel + stride, sizeof lower);
+            if ((upper[0] | upper[1] | lower[0] | lower[1]) == 0) continue;
+            const auto u_part = std::uint32_t(u >> 8 & 255), v_part = std::uint32_t(v >> 8 & 255);
+            const auto color = std::bit_cast<Rgba8>(
+                mixed_bytes(mixed_bytes(upper[0], upper[1], u_part), mixed_bytes(lower[0], lower[1], u_part), v_part));
+            if (color.a == 0) continue;
+            const std::size_t nearest_texel = texel + (u_part >= 128 ? 1 : 0) + (v_part >= 128 ? stride : 0);
+            const float q =
+                at_relative(quad_q, image.least_depth + image.depth_step * float(image.depth[nearest_texel]));
+            if (color.a < 255) {
+                buffers_.deposit_sample(x, y, q, color);
+                continue;
+            }
+            if (samples == nullptr) {
+                samples = &blocks.opened(at, first >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
+            }
+            const std::size_t within = std::size_t(y & (SampleBlocks::side - 1)) * SampleBlocks::side +
+                                       std::size_t(x & (SampleBlocks::side - 1));
+            if (q > samples->depth[within]) {
+                samples->depth[within] = q;
+                samples->color[within] = color;
+                nearest = std::max(nearest, q);
+            }
+        }
+        if (samples == nullptr) return;
+        blocks.filled(at, nearest);
+        has_drawn_ = true;
+    }
+
+    const SampleProjection& projection_;
+    SampleBuffers& buffers_;
+    Linear u_, v_, inverse_w_;
+    double depth_at_corner_ = 0, depth_across_ = 0, depth_down_ = 0;
+    float bias_ = 0;
+    int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;  ///< relative to the upper left sample
+    bool has_drawn_ = false;
+};
+
+}  // namespace farfield::detail

@@ -1,0 +1,127 @@
+#include "farfield/approximation/area_splat.hpp"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "farfield/sampler/grid_sampler.hpp"
+#include "support/pictures.hpp"
+#include "support/scenes.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+
+namespace {
+
+Cell cell_at(glm::vec3 center, float half) {
+    Cell c;
+    c.center = c.bounds_center = center;
+    c.half = glm::vec3(half);
+    c.bounds_half = glm::vec3(2 * half);
+    return c;
+}
+AreaSplat::stand_in_draft sampled(const AreaSplat& a, const Cell& cell, const Triangles& triangles) {
+    GridSampler sampler;
+    return a.sample(
+        cell,
+        [&](auto&& sink) {
+            for (const Triangle& t : triangles) t.polygons(sink);
+        },
+        sampler);
+}
+struct Sink {
+    float splat_limit_px = 2;
+    std::vector<Face>* faces;
+    std::vector<Splat>* splats;
+    void operator()(const Face& f) const { faces->push_back(f); }
+    void operator()(const Splat& s) const { splats->push_back(s); }
+};
+struct Drawn {
+    std::vector<Face> faces;
+    std::vector<Splat> splats;
+};
+Drawn drawn(const AreaSplat& a, const AreaSplat::stand_in_data& data, const Cell& cell, glm::dvec3 eye,
+            float splat_limit_px = 2) {
+    const LocalView view(looking(eye, glm::dvec3(cell.center), 256, 1), glm::dvec3(0),
+                         Box{glm::vec3(-4), glm::vec3(4)});
+    Drawn out;
+    a.draw_stand_in(data, cell, view, Sink{splat_limit_px, &out.faces, &out.splats});
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("a splat is as large as what surfaces show on average, at their center", "[approximation]") {
+    const Cell cell = cell_at({0.5f, 0, 0}, 1);
+    // A quarter of a side, so an eighth is shown.
+    const Triangles wall = sheet({0.75f, -0.5f, -0.5f}, {0, 1, 0}, {0, 0, 1}, 3, 3, {200, 100, 50});
+    const AreaSplat a;
+    const auto data = a.finish(cell, sampled(a, cell, wall));
+    const Drawn d = drawn(a, data, cell, {300, 0, 0});
+    REQUIRE(d.splats.size() == 1);
+    CHECK(d.faces.empty());
+    const Splat& s = d.splats[0];
+    CHECK(s.opacity == 1);
+    CHECK(std::abs(s.size.x * s.size.y - 0.5f) < 0.01f);
+    CHECK(glm::length(s.center - glm::vec3(0.75f, 0, 0)) < 0.03f);
+    CHECK(s.rgb.r == 200);
+    CHECK(s.rgb.g == 100);
+    CHECK(s.rgb.b == 50);
+    const AreaSplat whole{.size = AreaSplat::Size::of_cell};
+    const Drawn all = drawn(whole, whole.finish(cell, sampled(whole, cell, wall)), cell, {300, 0, 0});
+    CHECK(std::abs(all.splats[0].size.x - 2) < 1e-3f);
+    CHECK(drawn(a, data, cell, {300, 0, 0}, 0).faces.size() == 1);
+}
+
+TEST_CASE("sheets of two colors show the one in front", "[approximation]") {
+    const Cell cell = cell_at({}, 1);
+    Triangles sheets = sheet({-0.1f, -1, -1}, {0, 2, 0}, {0, 0, 2}, 4, 4, {0, 0, 255});
+    append(sheets, sheet({0.1f, -1, -1}, {0, 2, 0}, {0, 0, 2}, 4, 4, {255, 0, 0}));
+    const AreaSplat a;
+    const auto data = a.finish(cell, sampled(a, cell, sheets));
+    CHECK(drawn(a, data, cell, {300, 0, 0}).splats[0].rgb.r == 255);
+    CHECK(drawn(a, data, cell, {300, 0, 0}).splats[0].rgb.b == 0);
+    CHECK(drawn(a, data, cell, {-300, 0, 0}).splats[0].rgb.b == 255);
+    // The paper's color is one of both.
+    const AreaSplat mean{.samples = 0};
+    CHECK(drawn(mean, mean.finish(cell, sampled(mean, cell, sheets)), cell, {300, 0, 0}).splats[0].rgb.b > 100);
+}
+
+TEST_CASE("children's areas and centers add up", "[approximation]") {
+    const Cell parent = cell_at({0, 0, 0}, 1), left = cell_at({-0.5f, -0.5f, -0.5f}, 0.5f),
+               right = cell_at({0.5f, -0.5f, -0.5f}, 0.5f);
+    const Triangles one = sheet({-0.7f, -0.7f, -0.7f}, {0.3f, 0, 0}, {0, 0.3f, 0}, 2, 2, {255, 255, 255}),
+                    two = sheet({0.3f, -0.7f, -0.7f}, {0.4f, 0, 0}, {0, 0.3f, 0}, 2, 2, {255, 255, 255});
+    Triangles both = one;
+    append(both, two);
+    const AreaSplat a;
+    const auto l = sampled(a, left, one), r = sampled(a, right, two), all = sampled(a, parent, both);
+    AreaSplat::stand_in_draft merged{};
+    const std::vector<ChildDraft<AreaSplat::stand_in_draft>> children{{0, &left, &l}, {1, &right, &r}};
+    a.merge(parent, merged, children);
+    CHECK(std::abs(merged.area - all.area) < 1e-5f);
+    CHECK(glm::length(merged.moment - all.moment) < 1e-5f);
+}
+
+TEST_CASE("what is without area has no splat that pays, and what is drawn already leaves less", "[approximation]") {
+    const AreaSplat a;
+    const Cell cell = cell_at({}, 1);
+    const auto nothing = a.finish(cell, sampled(a, cell, {Triangle{{glm::vec3(0), glm::vec3(0), glm::vec3(0)}, {}}}));
+    CHECK(a.is_sound(nothing));
+    CHECK(std::isinf(a.work(nothing).splats));
+    CHECK(a.rest_of(nothing, 0.5f) == nothing);
+    CHECK(drawn(a, nothing, cell, {300, 0, 0}).splats.empty());
+
+    const auto thin = a.finish(cell, sampled(a, cell, sheet({0, -1, -1}, {0, 0.1f, 0}, {0, 0, 2}, 1, 1, {9, 9, 9})));
+    CHECK(drawn(a, thin, cell, {300, 0, 0}).splats[0].rgb.r == 9);  // no sample has hit it
+    const auto area = [&](const AreaSplat::stand_in_data& d) {
+        const glm::vec2 size = drawn(a, d, cell, {300, 0, 0}).splats[0].size;
+        return size.x * size.y;
+    };
+    CHECK(std::abs(area(a.rest_of(thin, 0.5f)) / area(thin) - 0.5f) < 0.02f);  // little hides little
+    const auto solid = a.finish(cell, sampled(a, cell, random_triangles(4000, 3, 0.5f)));
+    CHECK(area(a.rest_of(solid, 0.5f)) == area(solid));  // what covers all has no gaps, whatever is drawn
+    CHECK(std::string(AreaSplat{.samples = 9}.wrong_option()).find("samples") != std::string::npos);
+    CHECK(AreaSplat{.shown = 0}.wrong_option() != nullptr);
+}

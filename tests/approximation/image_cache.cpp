@@ -1,0 +1,324 @@
+#include "farfield/approximation/image_cache.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <glm/vec3.hpp>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "catch.hpp"
+#include "farfield/approximation/exact.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/measured_time.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/renderer/hierarchical_z_renderer.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/viewer.hpp"
+#include "support/recorder.hpp"
+#include "support/scenes.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+
+namespace {
+
+using Cached = SpatialHierarchy<Octree, ImageCache<Exact>, MeasuredTime>;
+using Plain = SpatialHierarchy<Octree, Exact, MeasuredTime>;
+
+ImageCache<Exact> with(const ImageCacheOptions& options) {
+    ImageCache<Exact> a;
+    a.image_options = options;
+    return a;
+}
+
+/// Two dozen balls of triangles, strewn about the z axis from -30 to -80.
+const Triangles& balls() {
+    static const Triangles all = [] {
+        Triangles out;
+        for (std::uint64_t i = 0; i < 24; ++i) {
+            Triangles ball = random_triangles(600, i + 1, 0.15f);
+            const glm::vec3 at(float(int(i * 7 % 11) - 5) * 4, float(int(i * 5 % 7) - 3) * 3, -30.0f - 2.1f * float(i));
+            for (Triangle& t : ball) {
+                for (glm::vec3& v : t.vertices) v += at;
+                out.push_back(t);
+            }
+        }
+        return out;
+    }();
+    return all;
+}
+
+View looking(glm::dvec3 eye, glm::dvec3 target = {0, 0, -50}) {
+    View view;
+    view.width = 160;
+    view.height = 120;
+    view.camera = Camera::perspective(eye, target, {0, 1, 0}, 0.7f);
+    return view;
+}
+
+/// Root mean square, of colors in [0, 255].
+double difference(const Image& a, const Image& b) {
+    REQUIRE(a.pixels().size() == b.pixels().size());
+    double sum = 0;
+    for (std::size_t i = 0; i < a.pixels().size(); ++i) {
+        const Rgba8 p = a.pixels()[i], q = b.pixels()[i];
+        for (const int d : {p.r - q.r, p.g - q.g, p.b - q.b, p.a - q.a}) sum += double(d * d);
+    }
+    return std::sqrt(sum / (4 * double(a.pixels().size())));
+}
+
+template <class R = ZBufferRenderer>
+struct Walk {
+    Cached hierarchy;
+    Plain plain = build<Plain>(balls());
+    R renderer{ZBufferOptions{.background = {90, 120, 160, 255}}};
+    R plain_renderer{ZBufferOptions{.background = {90, 120, 160, 255}}};
+    Viewer<Cached, Triangle, R> viewer;
+    Viewer<Plain, Triangle, R> plain_viewer;
+
+    explicit Walk(const ImageCacheOptions& options = {.least_items = 64})
+        : hierarchy(build<Cached>(balls(), {.approximation = with(options)})),
+          viewer(hierarchy, balls(), renderer),
+          plain_viewer(plain, balls(), plain_renderer) {}
+
+    FrameStats frame(const View& view) { return viewer.frame(view); }
+    const Image& image() const { return renderer.image(); }
+    const Image& exact(const View& view) {
+        plain_viewer.frame(view);
+        return plain_renderer.image();
+    }
+};
+
+/// As a ZBufferRenderer, but for images, of which it makes none, or none after so many.
+class FailingRenderer {
+  public:
+    static constexpr RendererFacts facts{.keeps_sources = true, .keeps_images = true};
+    explicit FailingRenderer(const ZBufferOptions& options) : inner_(options) {}
+    template <PrimitiveWithPolygons P>
+    std::uint32_t upload(const Source<P>& source) {
+        return inner_.upload(source);
+    }
+    void release(std::uint32_t id) { inner_.release(id); }
+    void begin_frame(const LocalView& view) { inner_.begin_frame(view); }
+    void set_view(const LocalView& view) { inner_.set_view(view); }
+    void end_frame() { inner_.end_frame(); }
+    template <class P>
+    void draw(const Source<P>& source, std::span<const Range> ranges) {
+        inner_.draw(source, ranges);
+    }
+    void begin_image(const LocalView& view, float depth, int samples) {
+        ++asked;
+        inner_.begin_image(view, depth, samples);
+    }
+    std::uint32_t end_image() {
+        const std::uint32_t image = inner_.end_image();
+        if (left_to_make > 0) {
+            --left_to_make;
+            return image;
+        }
+        inner_.free_image(image);
+        return 0;
+    }
+    void free_image(std::uint32_t image) { inner_.free_image(image); }
+    std::size_t image_bytes(int width, int height) const { return inner_.image_bytes(width, height); }
+    void draw(std::span<const ImageQuad> quads) { inner_.draw(quads); }
+    const Image& image() const { return inner_.image(); }
+
+    int left_to_make = 0;
+    int asked = 0;
+
+  private:
+    ZBufferRenderer inner_;
+};
+
+}  // namespace
+
+TEST_CASE("a hierarchy that caches images wants a renderer that keeps them", "[image_cache]") {
+    STATIC_REQUIRE(DrawableWith<Cached, Triangle, ZBufferRenderer>);
+    STATIC_REQUIRE(DrawableWith<Cached, Triangle, HierarchicalZRenderer>);
+    using Forgetful = BasicRecorder<RendererFacts{.keeps_sources = true}>;
+    STATIC_REQUIRE(!DrawableWith<Cached, Triangle, Forgetful>);
+    STATIC_REQUIRE(DrawableWith<Plain, Triangle, Forgetful>);
+}
+
+TEST_CASE("options that make no sense are refused by name", "[image_cache]") {
+    CHECK_THROWS_WITH(build<Cached>(balls(), {.approximation = with({.slices = 9})}),
+                      Catch::Matchers::Contains("ImageCache: slices must be 1 to 8"));
+    CHECK_THROWS_WITH(build<Cached>(balls(), {.approximation = with({.threshold_px = -1})}),
+                      Catch::Matchers::Contains("threshold_px"));
+}
+
+TEMPLATE_TEST_CASE("standing still makes images once, and no pixel changes", "[image_cache]", ZBufferRenderer,
+                   HierarchicalZRenderer) {
+    Walk<TestType> walk;
+    const View view = looking({0, 0, 0});
+    const FrameStats first = walk.frame(view);
+    CHECK(first.images_made > 0);
+    CHECK(first.images >= first.images_made);
+    const Image image = walk.image();
+    // Texels lie where the samples lay, so the image of a cell is the cell.
+    CHECK(difference(image, walk.exact(view)) < 1.0);
+    for (int i = 0; i < 5; ++i) {
+        const FrameStats stats = walk.frame(view);
+        CHECK(stats.images_made == 0);
+        CHECK(stats.images == first.images);
+        CHECK(walk.image() == image);
+    }
+}
+
+TEST_CASE("images outlive frames while the viewer moves", "[image_cache]") {
+    Walk<> walk;
+    std::uint64_t made = 0, drawn = 0;
+    double worst = 0, moved = 0;
+    Image last;
+    for (int f = 0; f < 60; ++f) {
+        const View view = looking({0.02 * f, 0.01 * f, -0.02 * f});
+        const FrameStats stats = walk.frame(view);
+        made += stats.images_made;
+        drawn += stats.images;
+        worst = std::max(worst, difference(walk.image(), walk.exact(view)));
+        if (f == 0) last = walk.exact(view);
+    }
+    moved = difference(last, walk.exact(looking({0.02 * 59, 0.01 * 59, -0.02 * 59})));
+    CHECK(drawn > 4 * made);
+    CHECK(worst < moved);  // so images do follow the viewer
+}
+
+TEST_CASE("a viewer that circles on the edge of a safety zone makes few images", "[image_cache]") {
+    Walk<> walk;
+    walk.frame(looking({0, 0, 0}));
+    const std::uint64_t cells = walk.frame(looking({0, 0, 0})).images;
+    std::uint64_t made = 0;
+    for (int f = 0; f < 200; ++f) {
+        const double a = 0.4 * f;
+        // One image after another fails on the circle; a new one serves all around, or the old one again.
+        made += walk.frame(looking({0.5 * std::cos(a), 0.5 * std::sin(a), 0})).images_made;
+    }
+    CHECK(made <= 200 * cells / 8);
+}
+
+TEST_CASE("a jump, another field of view and another size draw what is there", "[image_cache]") {
+    Walk<> walk;
+    for (int f = 0; f < 3; ++f) walk.frame(looking({0, 0, 0}));
+    const auto settles = [&](const View& view) {
+        for (int f = 0; f < 3; ++f) walk.frame(view);
+        CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
+    };
+    SECTION("jump") {
+        settles(looking({60, 20, -50}));
+    }
+    SECTION("field of view") {
+        View view = looking({0, 0, 0});
+        view.camera = Camera::perspective({0, 0, 0}, {0, 0, -50}, {0, 1, 0}, 0.25f);
+        const FrameStats stats = walk.frame(view);
+        CHECK(difference(walk.image(), walk.exact(view)) < 1.0);  // no texel is magnified
+        CHECK(stats.image_bytes > 0);
+        settles(view);
+    }
+    SECTION("resolution") {
+        View view = looking({0, 0, 0});
+        view.width = 320;
+        view.height = 240;
+        settles(view);
+    }
+}
+
+TEST_CASE("a viewer inside of a cell, and cells larger than the picture, are drawn as they are", "[image_cache]") {
+    for (const double z : {-29.0, -30.0, -31.0, -35.0, -50.0}) {
+        Walk<> walk;
+        const View view = looking({0, 0, z}, {1, 1, z - 10});
+        walk.frame(view);
+        CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
+    }
+    Walk<> walk;
+    View small = looking({0, 0, -25});
+    small.width = 16;
+    small.height = 12;
+    walk.frame(small);
+    CHECK(difference(walk.image(), walk.exact(small)) < 1.0);
+}
+
+TEST_CASE("images never take more memory than the budget", "[image_cache]") {
+    Walk<> plenty;
+    std::uint64_t working_set = 0;
+    for (int f = 0; f < 40; ++f) {
+        working_set = std::max(working_set, plenty.frame(looking({0.2 * f, 0, 0})).image_bytes);
+    }
+    for (const std::uint64_t budget : {std::uint64_t(0), working_set / 8, working_set / 2}) {
+        Walk<> walk({.least_items = 64, .budget_bytes = budget});
+        for (int f = 0; f < 40; ++f) {
+            const View view = looking({0.2 * f, 0, 0});
+            REQUIRE(walk.frame(view).image_bytes <= budget);
+            if (budget == 0) CHECK(walk.image() == walk.exact(view));
+        }
+        // A working set that does not fit is not made again and again.
+        const View last = looking({8, 0, 0});
+        for (int f = 0; f < 3; ++f) walk.frame(last);
+        for (int f = 0; f < 5; ++f) CHECK(walk.frame(last).images_made == 0);
+    }
+}
+
+TEST_CASE("a frame makes no more images than it may", "[image_cache]") {
+    Walk<> walk({.least_items = 64, .most_made = 3});
+    const View view = looking({0, 0, 0});
+    std::uint64_t made = 0;
+    for (int f = 0; f < 12; ++f) {
+        const FrameStats stats = walk.frame(view);
+        CHECK(stats.images_made <= 3);
+        made += stats.images_made;
+        CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
+    }
+    CHECK(made > 3);
+    CHECK(walk.frame(view).images_made == 0);
+}
+
+TEST_CASE("where a renderer fails to make an image, geometry is drawn", "[image_cache]") {
+    Walk<FailingRenderer> walk;
+    const View view = looking({0, 0, 0});
+    const FrameStats stats = walk.frame(view);
+    CHECK(walk.renderer.asked > 0);
+    CHECK(stats.images == 0);
+    CHECK(stats.images_made == 0);
+    CHECK(walk.image() == walk.exact(view));
+    const int asked = walk.renderer.asked;
+    walk.frame(view);
+    CHECK(walk.renderer.asked == asked);  // not in every frame
+}
+
+TEST_CASE("two viewers on two threads draw what each draws alone", "[image_cache]") {
+    const Cached hierarchy = build<Cached>(balls(), {.approximation = with({.least_items = 64})});
+    const auto walk = [&](double sign) {
+        ZBufferRenderer renderer;
+        Viewer<Cached, Triangle, ZBufferRenderer> viewer(hierarchy, balls(), renderer);
+        std::vector<Image> images;
+        for (int f = 0; f < 10; ++f) {
+            viewer.frame(looking({sign * 0.3 * f, 0, 0}));
+            images.push_back(renderer.image());
+        }
+        return images;
+    };
+    const auto left = walk(-1), right = walk(1);
+    std::vector<Image> left_again, right_again;
+    std::thread other([&] { left_again = walk(-1); });
+    right_again = walk(1);
+    other.join();
+    CHECK(left == left_again);
+    CHECK(right == right_again);
+}
+
+TEST_CASE("a known path makes images that serve along it", "[image_cache]") {
+    // The last motion leads away; what comes is known to stay.
+    Walk<> guesses, knows;
+    std::uint64_t guessed = 0, known = 0;
+    std::vector<glm::dvec3> stays(64, {20, 0, 0});
+    for (int f = 0; f < 2; ++f) {
+        const View view = looking({20.0 * f, 0, 0});
+        if (f == 1) knows.viewer.expect(stays);
+        guessed = guesses.frame(view).images_made;
+        known = knows.frame(view).images_made;
+    }
+    CHECK(known > guessed);
+}
