@@ -80,8 +80,8 @@ void chart(const Options& options) {
     print(equal_error_table(rows, &Row::rmse, rmse_bound));
     std::cout << "at equal error, FLIP\n";
     print(equal_error_table(rows, &Row::flip, flip_bound));
-    std::cout << "every point, its numbers and its picture, in a browser: " << (options.directory / "index.html").string()
-              << "\n";
+    std::cout << "every point, its numbers and its picture, in a browser: "
+              << (options.directory / "index.html").string() << "\n";
 }
 
 }  // namespace
