@@ -4,7 +4,8 @@
 #
 #   bench/run.sh [CHART-ARGUMENT...]     as in: bench/run.sh --quick
 #
-# Up to 15 minutes, 2 with --quick; Ctrl-C draws what there is by then. Arguments go to the program; --help says what
+# Up to 15 minutes, 2 with --quick; Ctrl-C draws what there is by then. Ends with the table at equal error and the page to
+# open in a browser, out/chart/index.html, which needs no network and shows every point and its picture. Arguments go to the program; --help says what
 # there is. Environment: BUILD_DIR (default: build/bench in the repository), CXX, JOBS (default: one a processor),
 # FARFIELD_SKIP_PACKAGES=1 to install nothing.
 set -euo pipefail

@@ -228,7 +228,15 @@ class SceneRun {
             set_measured(row, turn);
         }
         place.reference.compare(turn.viewer->image(), row);
+        write_point_picture(place, report::over_background(turn.viewer->image(), {}), point_picture_file(row));
+        if (variant == "exact" && samples == 1) {
+            write_point_picture(place, place.reference.over_white(), point_reference_file(row));
+        }
         output_.add(std::move(row));
+    }
+
+    void write_point_picture(const Place& place, const Image& picture, const std::filesystem::path& file) const {
+        report::write_png(place.reference.compared_part(picture), options_.directory / file);
     }
 
     void write_pictures(const std::string& variant, const Image& image) const {

@@ -112,6 +112,18 @@ foreach(picture IN ITEMS reference exact exact_difference color-cube color-cube_
   endif()
 endforeach()
 
+# Each row of accuracy has its picture, and the page finds it.
+file(GLOB pictures "${DIRECTORY}/tiny/pictures/points/*.png")
+list(LENGTH pictures count)
+file(READ "${DIRECTORY}/tiny/index.html" html)
+if(NOT count EQUAL 9
+   OR NOT html MATCHES "\"pictures/points/tree_14_radii_color-cube_1_4.png\",\"pictures/points/tree_14_radii_reference.png\"")
+  message(SEND_ERROR "${count} pictures of points, expected those of eight rows and the reference, which the page shows")
+endif()
+if(html MATCHES "https?:")
+  message(SEND_ERROR "the page wants a network")
+endif()
+
 # With coverage masks, once, at 64 samples whatever is asked for.
 expect_success("${CHART}" --scenes tree --growth none --variants exact+masks --distances 14 --samples 1,4 --repetitions 1
                --size 32 --out "${DIRECTORY}/masks")

@@ -1,12 +1,13 @@
 #include "charts.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <utility>
 
+#include "pareto.hpp"
+#include "pictures.hpp"
 #include "summary.hpp"
 
 namespace farfield::bench {
@@ -14,41 +15,73 @@ namespace {
 
 using Field = Row::Number Row::*;
 
-std::string file_name(std::string text) {
-    for (char& c : text) {
-        if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '.') c = '_';
-    }
-    return text;
+/// A variant at one number of samples; without a tolerance at all of them, which is 0.
+using Line = std::pair<std::string, double>;
+
+Line line_of(const Row& row) {
+    return {row.variant, row.tolerance_px ? row.samples.value_or(1) : 0};
 }
 
-/// A series for each variant and number of samples, in order of the rows.
+/// Of the variants, best first, with what they are compared with at the head.
+std::vector<std::string> ranked(std::vector<std::string> variants, const std::map<std::string, double>& speedups) {
+    const auto rank = [&](const std::string& variant) {
+        const auto speedup = speedups.find(variant);
+        const int kind = variant == "exact" ? 0 : variant == "peer" ? 1 : 2;
+        return std::pair(kind, speedup == speedups.end() ? 0 : -speedup->second);
+    };
+    std::stable_sort(variants.begin(), variants.end(),
+                     [&](const std::string& a, const std::string& b) { return rank(a) < rank(b); });
+    return variants;
+}
+
+/// What is shown at a glance, a line a variant.
+std::vector<Line> best_lines(const std::vector<const Row*>& rows) {
+    std::map<std::string, double> speedups;
+    std::map<std::string, Line> lines;
+    for (const Row* row : rows) lines.try_emplace(row->variant, line_of(*row));
+    for (const auto& [variant, line] : lines) {
+        const EqualErrorChoice choice = at_equal_error(rows, variant, &Row::rmse);
+        if (choice.is_exact()) continue;
+        speedups[variant] = *choice.row->speedup;
+        lines[variant] = line_of(*choice.row);
+    }
+    std::vector<Line> best;
+    for (const std::string& variant : ranked(variant_names(rows), speedups)) {
+        if (best.size() + 1 < most_lines) best.push_back(lines[variant]);  // one is the front's
+    }
+    return best;
+}
+
+/// A series for each of the lines.
 class PanelMaker {
   public:
-    PanelMaker(const std::vector<const Row*>& rows, Field x, Field y) : rows_(rows), x_(x), y_(y) {}
+    PanelMaker(const std::vector<const Row*>& rows, const std::vector<Line>& lines, Field x, Field y)
+        : rows_(rows), lines_(lines), x_(x), y_(y) {}
 
     Panel panel(std::string x_label, std::string y_label) const {
-        Panel panel{std::move(x_label), std::move(y_label), 'x', true, {}};
-        for (const std::string& variant : variant_names(rows_)) {
-            std::map<double, Series> by_samples;
-            for (const Row* row : sorted_rows(variant)) {
-                // Without a tolerance the line is that of the numbers of samples.
-                const double samples = row->samples.value_or(1), line = row->tolerance_px ? samples : 0;
-                Series& series = by_samples.try_emplace(line, Series{variant, {}, samples}).first->second;
+        Panel panel{std::move(x_label), std::move(y_label), 'x', {}};
+        for (const Line& line : lines_) {
+            Series series{line.first, {}, line.second};
+            for (const Row* row : sorted_rows(line)) {
+                if (series.points.empty()) series.samples = row->samples.value_or(1);
                 add(*row, series);
             }
-            for (auto& [samples, series] : by_samples) {
-                if (!series.points.empty()) panel.series.push_back(std::move(series));
-            }
+            if (!series.points.empty()) panel.series.push_back(std::move(series));
         }
+        Series all;
+        for (const Row* row : rows_) add(*row, all);
+        std::vector<ChartPoint> points;
+        for (const auto& point : all.points) points.push_back({point[0], point[1]});
+        for (const std::size_t i : pareto_front(points)) panel.front.push_back(points[i]);
         return panel;
     }
 
   private:
     /// A line goes from the finest to the coarsest.
-    std::vector<const Row*> sorted_rows(const std::string& variant) const {
+    std::vector<const Row*> sorted_rows(const Line& line) const {
         std::vector<const Row*> rows;
         std::copy_if(rows_.begin(), rows_.end(), std::back_inserter(rows),
-                     [&](const Row* row) { return row->variant == variant; });
+                     [&](const Row* row) { return line_of(*row) == line; });
         std::stable_sort(rows.begin(), rows.end(), [](const Row* a, const Row* b) {
             return std::pair(b->samples, a->tolerance_px) < std::pair(a->samples, b->tolerance_px);
         });
@@ -67,6 +100,7 @@ class PanelMaker {
     }
 
     const std::vector<const Row*>& rows_;
+    const std::vector<Line>& lines_;
     Field x_, y_;
 };
 
@@ -77,8 +111,9 @@ void add_chart(std::vector<Chart>& charts, Chart chart) {
 
 void add_accuracy(std::vector<Chart>& charts, const ViewGroup& group) {
     const std::string title = group.scene + " from " + group.view, name = file_name(group.scene + "_" + group.view);
+    const std::vector<Line> lines = best_lines(group.rows);
     const auto panel = [&](Field x, Field y, const char* x_label, const char* y_label) {
-        return PanelMaker(group.rows, x, y).panel(x_label, y_label);
+        return PanelMaker(group.rows, lines, x, y).panel(x_label, y_label);
     };
     add_chart(charts, {"time_" + name,
                        group.scene,
@@ -93,8 +128,10 @@ void add_accuracy(std::vector<Chart>& charts, const ViewGroup& group) {
 }
 
 void add_growth(std::vector<Chart>& charts, const ViewGroup& group) {
-    Panel panel{"triangles", "milliseconds a frame", 'y', false, {}};
-    for (const std::string& variant : variant_names(group.rows)) {
+    Panel panel{"triangles", "milliseconds a frame", 'y', {}};
+    std::map<std::string, double> speedups;  // over most primitives, which are last
+    for (const Row* row : group.rows) speedups[row->variant] = row->speedup.value_or(0);
+    for (const std::string& variant : ranked(variant_names(group.rows), speedups)) {
         Series measured{variant, {}, 1}, extrapolated{variant + ", extrapolated", {}, 1};
         for (const Row* row : group.rows) {
             if (row->variant != variant || !row->triangles || !row->time_ms || !(*row->time_ms > 0)) continue;
@@ -104,7 +141,7 @@ void add_growth(std::vector<Chart>& charts, const ViewGroup& group) {
                                    row->time_ms_third_quartile.value_or(y)});
         }
         for (Series* series : {&measured, &extrapolated}) {
-            if (!series->points.empty()) panel.series.push_back(std::move(*series));
+            if (!series->points.empty() && panel.series.size() < most_lines) panel.series.push_back(std::move(*series));
         }
     }
     add_chart(charts, {"growth_" + file_name(group.scene + "_" + group.view),

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pareto.hpp"
 #include "row.hpp"
 
 namespace farfield::bench {
@@ -18,9 +19,9 @@ struct Series {
 /// Both axes are logarithmic.
 struct Panel {
     std::string x_label, y_label;
-    char bars = 'x';         ///< along which axis
-    bool has_front = false;  ///< the Pareto front of all points is marked
+    char bars = 'x';  ///< along which axis
     std::vector<Series> series;
+    std::vector<ChartPoint> front{};  ///< the Pareto front of all that was measured, shown or not; empty: not marked
 };
 
 struct Chart {
@@ -29,8 +30,13 @@ struct Chart {
     std::vector<Panel> panels;  ///< at least one, none without points
 };
 
+/// More cannot be told apart; the page shows the rest.
+inline constexpr std::size_t most_lines = 6;
+
 /// Time against error and memory against error for each scene and view; time against number of primitives for each
-/// series. Rows that lack one of the two, or where one is not above 0, are left out: no place on such axes.
+/// series: exact, the peer and what is fastest at exact's own error (RMSE; else over most primitives), with the Pareto
+/// front at most so many lines. Rows that lack one of the two, or where one is not above 0, are left out: no place on
+/// such axes.
 std::vector<Chart> charts_of(const std::vector<Row>& rows);
 
 }  // namespace farfield::bench

@@ -6,6 +6,7 @@
 #include "farfield/measure/coverage_error.hpp"
 #include "farfield/measure/flip.hpp"
 #include "farfield/measure/image_error.hpp"
+#include "farfield/measure/pixel_rect.hpp"
 #include "farfield/measure/projected_rect.hpp"
 #include "farfield/measure/ssim.hpp"
 #include "report/picture.hpp"
@@ -40,6 +41,16 @@ class Reference {
     }
 
     const Image& over_white() const { return over_white_; }
+
+    /// What of a picture is compared.
+    Image compared_part(const Image& picture) const {
+        const PixelRect part = compared_rect(picture, over_white_, rect_);
+        Image result(part.width(), part.height());
+        for (int y = 0; y < result.height(); ++y) {
+            for (int x = 0; x < result.width(); ++x) result.at(x, y) = picture.at(part.x0 + x, part.y0 + y);
+        }
+        return result;
+    }
 
     /// Over the rectangle that the object takes; over the whole picture where the eye is within its bounds.
     void compare(const Image& image, Row& row) const {

@@ -7,7 +7,6 @@
 
 #include "csv.hpp"
 #include "gnuplot.hpp"
-#include "pareto.hpp"
 
 namespace farfield::bench {
 namespace {
@@ -18,7 +17,7 @@ constexpr std::string_view gray = "#888888";
 
 std::string in_quotes(std::string_view text) {
     std::string result = "'";
-    for (const char c : text) result.append(c == '\'' ? 2 : 1, c);
+    for (const char c : text) result.append(c == '\'' ? 2 : 1, static_cast<unsigned char>(c) < 0x20 ? ' ' : c);
     return result + "'";
 }
 
@@ -62,14 +61,6 @@ std::string label_of(double value) {
     return number(value);
 }
 
-std::vector<ChartPoint> points_of(const Panel& panel) {
-    std::vector<ChartPoint> points;
-    for (const Series& s : panel.series) {
-        for (const auto& p : s.points) points.push_back({p[0], p[1]});
-    }
-    return points;
-}
-
 /// A logarithmic axis over all that is drawn, bars included, with a little room; gnuplot's own would be whole decades.
 void write_axis(std::ostream& out, char axis, const Panel& panel) {
     const std::size_t coordinate = axis == 'x' ? 0 : 1;
@@ -80,6 +71,10 @@ void write_axis(std::ostream& out, char axis, const Panel& panel) {
             most = std::max(most, p[coordinate]);
             if (axis == panel.bars) least = std::min(least, p[2]), most = std::max(most, p[3]);
         }
+    }
+    for (const ChartPoint& point : panel.front) {
+        least = std::min(least, coordinate == 0 ? point.x : point.y);
+        most = std::max(most, coordinate == 0 ? point.x : point.y);
     }
     const double room = std::pow(std::max(most / least, 2.0), 0.04);
     out << "set " << axis << "range [" << number(least / room) << ":" << number(most * room) << "]\nset " << axis
@@ -99,16 +94,15 @@ void write_axis(std::ostream& out, char axis, const Panel& panel) {
 
 void write_data(std::ostream& out, const Panel& panel, std::size_t p) {
     for (std::size_t s = 0; s < panel.series.size(); ++s) {
-        out << "# " << panel.series[s].label << "\n$panel" << p << "series" << s << " << END\n";
+        out << "# " << in_quotes(panel.series[s].label) << "\n$panel" << p << "series" << s << " << END\n";
         for (const auto& point : panel.series[s].points) {
             for (std::size_t i = 0; i < 4; ++i) out << number(point[i]) << (i < 3 ? " " : "\n");
         }
         out << "END\n";
     }
-    if (!panel.has_front) return;
-    const std::vector<ChartPoint> points = points_of(panel);
+    if (panel.front.empty()) return;
     out << "$panel" << p << "front << END\n";
-    for (const std::size_t i : pareto_front(points)) out << number(points[i].x) << " " << number(points[i].y) << "\n";
+    for (const ChartPoint& point : panel.front) out << number(point.x) << " " << number(point.y) << "\n";
     out << "END\n";
 }
 
@@ -116,7 +110,7 @@ void write_plot(std::ostream& out, const Panel& panel, std::size_t p, const std:
     write_axis(out, 'x', panel);
     write_axis(out, 'y', panel);
     out << "set xlabel " << in_quotes(panel.x_label) << "\nset ylabel " << in_quotes(panel.y_label) << "\nplot ";
-    if (panel.has_front) {
+    if (!panel.front.empty()) {
         const std::string front = "$panel" + std::to_string(p) + "front";
         out << front << " with steps lc rgb '#ffd54f' lw 6 title 'Pareto front', \\\n     " << front
             << " with points lc rgb '#ffd54f' pt 7 ps 1.6 notitle, \\\n     ";

@@ -10,6 +10,7 @@
 #include "html.hpp"
 #include "interrupt.hpp"
 #include "options.hpp"
+#include "pictures.hpp"
 
 namespace {
 
@@ -18,7 +19,7 @@ using namespace farfield::bench;
 /// Before the long work, not after it.
 void make_directory(const std::filesystem::path& directory) {
     std::error_code error;
-    std::filesystem::create_directories(directory / "pictures", error);
+    std::filesystem::create_directories(directory / point_pictures, error);
     if (error) throw UsageError("cannot make the directory " + directory.string());
 }
 
@@ -58,7 +59,7 @@ std::vector<Row> measure(const Options& options) {
 
 void print(const Table& table) {
     for (const auto& row : table.rows) {
-        for (std::size_t i = 0; i < row.size(); ++i) std::cout << (i == 0 ? "" : " | ") << row[i];
+        for (std::size_t i = 0; i < row.size(); ++i) std::cout << (i == 0 ? "" : " | ") << row[i].text;
         std::cout << "\n";
     }
 }
@@ -75,11 +76,12 @@ void chart(const Options& options) {
     const std::string complaint = draw_charts(charts, options.directory);
     if (!complaint.empty()) std::cerr << "chart: " << complaint << "\n";
     write_html(rows, charts, options.directory);
-    std::cout << "faster at equal error, RMSE at most " << csv_number(rmse_bound) << "\n";
+    std::cout << "at equal error, RMSE\n";
     print(equal_error_table(rows, &Row::rmse, rmse_bound));
-    std::cout << "faster at equal error, FLIP at most " << csv_number(flip_bound) << "\n";
+    std::cout << "at equal error, FLIP\n";
     print(equal_error_table(rows, &Row::flip, flip_bound));
-    std::cout << "page: " << (options.directory / "index.html").string() << "\n";
+    std::cout << "every point, its numbers and its picture, in a browser: "
+              << (options.directory / "index.html").string() << "\n";
 }
 
 }  // namespace
