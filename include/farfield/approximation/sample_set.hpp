@@ -8,6 +8,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <concepts>
 #include <cstdint>
 #include <limits>
@@ -155,10 +156,10 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
             const float f = factor(float(face.rgba.a) / 255);
             const auto fainter = [&](std::uint8_t v) { return std::uint8_t(float(v) * f + 0.5f); };
             face.rgba = {fainter(face.rgba.r), fainter(face.rgba.g), fainter(face.rgba.b), fainter(face.rgba.a)};
-            sink(face);
+            if (face.rgba.a != 0) sink(face);
         }
         void operator()(Splat splat) const {
-            splat.opacity *= factor(splat.opacity);
+            splat.opacity = std::min(splat.opacity * factor(splat.opacity), 1.0f);  // rounding
             sink(splat);
         }
         void operator()(OwnRun run) const { sink(run); }
