@@ -106,7 +106,7 @@ TEST_CASE("gallery: scaled by anything and moved it gives the same cut up to tie
             {{{{1.21f, 1.33f, 1.27f}, {1.23f, 1.31f, 1.26f}, {1.22f, 1.37f, 1.24f}}}, {90, 60, 40, 255}});
         for (const test::Variant& variant : gallery_variants()) {
             // Planes that cost the same are ties too, and all that is below one of them is cut otherwise.
-            if (variant.is_clipped || is_known_to_tie(variant, subject)) continue;
+            if (!has_cubes(variant) || is_known_to_tie(variant, subject)) continue;
             const auto h = variant.build(original);
             for (const Place& place :
                  {Place{1e-4, {}}, Place{1e4, {}}, Place{1e4, {7e4, -3e4, 1e4}}, Place{1e-4, {5e-4, 1e-4, -2e-4}}}) {
