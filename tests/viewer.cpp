@@ -288,7 +288,7 @@ TEST_CASE("stand-ins drawn have at most the error that is tolerated, and those a
                                   << (measure == DistanceMeasure::depth ? ", depth" : ", nearest point"));
                 Recorder recorder;
                 CHECK(h->frame(view, recorder).approximations == cut);
-                CHECK(cut > 0);
+                CHECK((cut > 0 || !variant.has_octants));
             }
         }
     }
@@ -389,7 +389,7 @@ TEST_CASE("stand-ins come front to back: no cell's before that of a cell in fron
             h->frame(view, recorder);
             const LocalView local = local_view<Triangle>(triangles, view);
             // Tensors measure an error, which in cells of any shape is mostly above the tolerance.
-            if (!variant.is_clipped) REQUIRE(recorder.splats.size() > 20);
+            if (!variant.is_clipped && variant.has_octants) REQUIRE(recorder.splats.size() > 20);
             // Of two boxes on one ray, apart on an axis, the nearer one on that axis is in front. Same for all axes:
             // nothing later may be nearer on all of them.
             std::size_t wrong = 0;

@@ -51,11 +51,11 @@ class MoveUp {
             double sample = 0;
             for (const std::uint32_t at : list(n).first(lists_[n].sample)) {
                 if (holder_[at] != n) continue;
-                sample += areas_[at];
+                sample += double(areas_[at]);
                 ++out[n].sample_size;
             }
             for_each_own(n, [&](std::uint32_t at) {
-                left[n] += areas_[at];
+                left[n] += double(areas_[at]);
                 ++out[n].items;
                 out[n].fixed += !(keys_[at] < std::numeric_limits<float>::infinity());
             });
@@ -87,7 +87,7 @@ class MoveUp {
 
     /// An area in squares of the cell's side.
     double per_side(std::size_t n, double area) const {
-        const double side = double(nodes_[n].cell.largest_side()) * scale_;
+        const double side = double(nodes_[n].cell.largest_side()) * double(scale_);
         return side > 0 ? area / (side * side) : 0;
     }
     template <class F>
@@ -120,7 +120,7 @@ class MoveUp {
         candidates_.clear();
         add_candidates(node.first_item, node.first_item + std::uint32_t(node.count));
         double area = 0;
-        for (std::uint32_t at = node.first_item; at < node.first_item + node.count; ++at) area += areas_[at];
+        for (std::uint32_t at = node.first_item; at < node.first_item + node.count; ++at) area += double(areas_[at]);
         bool is_all = true;
         for_each_child(n, [&](std::size_t child) {
             area += cells_area_[child];

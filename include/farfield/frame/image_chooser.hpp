@@ -102,14 +102,14 @@ class ImageChooser {
         const float radius = length_of(subtree.cell.bounds_half);
         const float away = std::max(length_of(subtree.cell.bounds_center - v.view.eye), radius);
         const float side = v.view.pixels(1.15f * radius, away);
-        add(price_of(v.hierarchy.cost_policy(), work, side * side / (3 * work.triangles)));
+        add(double(price_of(v.hierarchy.cost_policy(), work, side * side / (3 * work.triangles))));
     }
     template <class V>
     void stand_in(const V& v, const Subtree& subtree) {
         const auto& h = v.hierarchy;
         Work work = work_of_stand_in(h.approximation_policy(), h.stand_ins()[subtree.stand_in]);
         work += {.cells = 1};
-        add(h.cost_policy().cost(work));
+        add(double(h.cost_policy().cost(work)));
     }
     /// Nothing is drawn yet. What was hidden in the last frame is taken as hidden.
     template <class V>
@@ -126,9 +126,9 @@ class ImageChooser {
         if (const CellImage* image = kept_.image_of(cell); image != nullptr && is_good(*image, v.view, options_)) {
             cell.drawn_frame = kept_.frame();
             const float drawing = price_of_drawing(v, *image);
-            price_ += drawing;
-            present_price_ += drawing;
-            whole_price_ += std::max(image->making_cost, drawing);
+            price_ += double(drawing);
+            present_price_ += double(drawing);
+            whole_price_ += double(std::max(image->making_cost, drawing));
             ++images_;
             return CellDrawn::by_image;
         }
@@ -155,7 +155,7 @@ class ImageChooser {
         std::size_t images, wanted;
     };
 
-    void add(float price) {
+    void add(double price) {
         price_ += price;
         present_price_ += price;
         whole_price_ += price;
