@@ -102,14 +102,14 @@ TEST_CASE("a cell's rectangle holds all of it, wherever the picture's center lie
         const LocalView inner = view.rectangle(rect->left, rect->top, rect->width, rect->height);
         for (int i = 0; i < 50; ++i) {
             const glm::vec3 p = center + half * random.in_cube(1);
-            for (int plane = 0; plane < 4; ++plane) {
+            for (std::size_t plane = 0; plane < 4; ++plane) {
                 REQUIRE(glm::dot(glm::vec3(inner.planes[plane]), p) + inner.planes[plane].w > 0);
             }
         }
         // The image's rectangle, seen from where it was made, is the pixels' rectangle.
         const CellImage image = planned_image(view, center, half, *rect, 1);
         const ImageQuad quad = image.quad(0);
-        for (int plane = 0; plane < 4; ++plane) {
+        for (std::size_t plane = 0; plane < 4; ++plane) {
             const glm::vec3 at = plane == 0 || plane == 3 ? quad.corner : quad.corner + quad.across + quad.down;
             const float distance = glm::dot(glm::vec3(inner.planes[plane]), at) + inner.planes[plane].w;
             REQUIRE(distance == Approx(0).margin(1e-3));
