@@ -1,6 +1,7 @@
 #include "farfield/frame/kept_images.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>

@@ -195,7 +195,7 @@ class HierarchyBuilder {
             for (std::size_t at = i * chunk; at < std::min((i + 1) * chunk, areas.size()); ++at) {
                 areas[at] = area_of(std::uint32_t(at), scale);
                 keys[at] = areas[at] > 0 && may_move(data_.order[at])
-                               ? approximation_.sample_key(data_.order[at], areas[at])
+                               ? approximation_.sample_key(data_.order[at], double(areas[at]))
                                : std::numeric_limits<float>::infinity();
             }
         });
