@@ -1,5 +1,6 @@
 #include "farfield/partition/gap_bsp.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -398,15 +399,13 @@ TEST_CASE("wrong options are refused by name") {
         const char* why = detail::wrong_option(partition);
         return why != nullptr && std::strstr(why, part) != nullptr;
     };
-    GapBsp none, unheard_of, tiny, weighed, deep;
+    GapBsp none, unheard_of, weighed, deep;
     none.directions = {};
     unheard_of.directions[1].x = std::numeric_limits<float>::quiet_NaN();
-    tiny.directions[1] = glm::vec3(1e-20f);
     weighed.price_of_split = -1;
     deep.max_depth = 2000;
     CHECK(refused(none, "at least one direction"));
     CHECK(refused(unheard_of, "not finite"));
-    CHECK(refused(tiny, "too short"));
     CHECK(refused(weighed, "price_of_split"));
     CHECK(refused(deep, "max_depth"));
     CHECK(refused(GapBsp{.inflation = 0.1f}, "only where primitives are shared"));
@@ -415,4 +414,20 @@ TEST_CASE("wrong options are refused by name") {
     CHECK(refused(SharedGapBsp::around({0, 1, 0}, 3), "along the axes"));
     CHECK(detail::wrong_option(SharedGapBsp::around({0, 1, 0}, 2)) == nullptr);
     CHECK(detail::wrong_option(SharedGapBsp::along_axes()) == nullptr);
+}
+
+TEST_CASE("directions are good at any length") {
+    using Hierarchy = SpatialHierarchy<GapBsp, Exact, TriangleCount>;
+    const auto triangles = random_triangles(2000, 91, 0.02f);
+    GapBsp partition;
+    partition.directions[0] = {1, 0.25f, 0.5f};
+    const auto expected = build<Hierarchy>(triangles, {.partition = partition});
+    for (const int exponent : {-110, -70, 70, 110}) {
+        GapBsp other = partition;
+        for (glm::vec3& d : other.directions) d *= std::ldexp(1.0f, exponent);
+        REQUIRE(detail::wrong_option(other) == nullptr);
+        const auto h = build<Hierarchy>(triangles, {.partition = other});
+        CHECK(h.nodes().size() == expected.nodes().size());
+        CHECK(std::equal(h.order().begin(), h.order().end(), expected.order().begin(), expected.order().end()));
+    }
 }

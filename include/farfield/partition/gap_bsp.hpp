@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "farfield/geometry/length.hpp"
 #include "farfield/partition.hpp"
 #include "farfield/partition/child_boxes.hpp"
 #include "farfield/partition/gap_search.hpp"
@@ -95,9 +96,8 @@ struct BasicGapBsp {
             return "GapBsp: regions are inflated only where primitives are shared (SharedGapBsp)";
         bool some = false;
         for (const glm::vec3& d : directions) {
-            const float length = glm::length(d);
-            if (!std::isfinite(length)) return "GapBsp: a direction is not finite, or too long";
-            if (d != glm::vec3(0) && !(length >= 1e-10f)) return "GapBsp: a direction is too short";
+            if (!std::isfinite(d.x) || !std::isfinite(d.y) || !std::isfinite(d.z))
+                return "GapBsp: a direction is not finite";
             if (is_shared && d != glm::vec3(0) && axis_of(unit(d)) < 0)
                 return "GapBsp: where primitives are shared, directions must lie along the axes";
             some = some || d != glm::vec3(0);
@@ -248,7 +248,7 @@ struct BasicGapBsp {
             along[axis] = d[axis] > 0 ? 1.0f : d[axis] < 0 ? -1.0f : 0.0f;
             return along;
         }
-        return glm::normalize(d);
+        return direction_of(d);
     }
 
     static int axis_of(glm::vec3 normal) {
