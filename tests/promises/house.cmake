@@ -40,6 +40,7 @@ may_include(build.hpp build sampler ${hierarchy}) # the sampler that a build tak
 may_include(storage ${hierarchy})
 may_include(frame ${hierarchy})
 may_include(viewer.hpp ${frame})
+may_include(pick.hpp ${frame})
 may_include(banded_viewer.hpp viewer.hpp ${frame}) # bands are pictures of viewers
 may_include(merged_viewer ${frame})
 may_include(merged_viewer.hpp merged_viewer primitive ${frame}) # bodies are instances
@@ -79,6 +80,7 @@ tested_by(hierarchy/fingerprint geometry/mixed)
 tested_by(measure/flip measure/flip_colors measure/flip_filters)
 tested_by(merged_viewer merged_viewer/body_walker)
 tested_by(partition/polygon_bsp partition/child_boxes)
+tested_by(pick geometry/ray view/pixel_ray)
 tested_by(raster/box_footprint raster/box_fronts)
 tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
           raster/far_field/transmittance_lanes_sse2)
