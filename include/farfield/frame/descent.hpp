@@ -260,34 +260,28 @@ class Descent {
         return std::min(v.view.pixels(subtree.cell.largest_side(), v.view.distance_to(subtree.cell)), 0x1p20f);
     }
 
-    /// Whether point sampling the subtree's primitives costs less than the stand-ins that would be drawn for it: as
-    /// many times more a level as the cell has children, down to cells that are small enough, if these are covered as
-    /// this one is. For three cells that are drawn four are visited.
+    /// Whether point sampling the subtree's primitives costs less than the stand-ins that would be drawn for it: four
+    /// times as many a level, as of a surface, down to cells that are small enough by the tolerance and, from near to
+    /// these on, by what they are expected to err, if they are covered as this one is. (The contents of a tree's crown
+    /// are the thinner the smaller the cells.) For three cells that are drawn four are visited. Twice their price
+    /// counts: that of a primitive is what drawing one costs, and many a point sampled one meets no sample.
     template <class V>
     static bool is_cheaper_exactly(const V& v, const Subtree& subtree, const Node& node, std::uint32_t items) {
         if (!v.view.wanted || v.view.wanted->rmse || node.child_mask == 0) return false;
         if (subtree.crossed_planes != 0 && items > max_items_unculled) return false;
         const auto price = [&](const Work& work) { return v.hierarchy.cost_policy().cost(work); };
         const float exact = price({.triangles = float(items), .runs = 1});
-        const float stand_in = price({.splats = 1, .cells = 4.0f / 3});
-        const auto children = float(bits_set[node.child_mask]);
-        float count = children, side = 0.5f * side_px(v, subtree);
-        float covered = 0;
+        const float stand_in = 2 * price({.splats = 1, .cells = 4.0f / 3});
+        float cost = float(bits_set[node.child_mask]) * stand_in, side = 0.5f * side_px(v, subtree);
+        const bool is_near = side <= v.view.tolerance_px;
+        for (; cost < exact && side > v.view.tolerance_px; side *= 0.5f) cost *= 4;
         if constexpr (V::hierarchy_type::approximation_type::facts.expects_error) {
-            if (subtree.has_stand_in()) covered = covered_part(v, subtree);
-        }
-        const auto is_small_enough = [&] {
-            if (!(side <= v.view.tolerance_px)) return false;
-            if constexpr (V::hierarchy_type::approximation_type::facts.expects_error) {
-                return !(covered > 0) || errs_no_more(v, covered, side);
-            } else {
-                return true;
+            if (is_near && cost < exact && subtree.has_stand_in()) {
+                const float covered = covered_part(v, subtree);
+                for (; cost < exact && !errs_no_more(v, covered, side); side *= 0.5f) cost *= 4;
             }
-        };
-        for (; count * stand_in < exact; count *= std::max(children, 2.0f), side *= 0.5f) {
-            if (is_small_enough()) return false;
         }
-        return true;
+        return cost >= exact;
     }
 
     /// False only if no cell below can be drawn by its stand-in.
