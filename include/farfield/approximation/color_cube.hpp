@@ -130,7 +130,9 @@ struct ColorCube {
             covered += faces.projected[i] * (1.0f / 255) * float(data[faces.side[i]].a);
             outline += faces.projected[i];
         }
-        return outline > covered ? covered / outline : 1.0f;
+        // Contents that no sample met may take half of the room of one.
+        const float unseen = 0.5f / float(samples == 0 ? 16 : samples * samples);
+        return outline > covered ? std::max(covered / outline, unseen) : 1.0f;
     }
     /// Off its axes a cube covers too much, however small it is.
     float expected_rmse(float side_px, float covered) const {

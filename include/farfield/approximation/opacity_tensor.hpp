@@ -121,7 +121,8 @@ struct OpacityTensor {
         const TensorAppearance appearance = appearance_of(data);
         const glm::vec3 w = direction_of(view.towards_viewer(appearance.center_in(cell)));
         const float area = appearance.seen_from(w).area, outline = outline_of(cell.half / tensor_unit(cell), w);
-        return outline > area ? area / outline : 1.0f;
+        // A sheet on edge is not nothing.
+        return outline > area ? std::max(area / outline, 1.0f / 256) : 1.0f;
     }
     /// Below a pixel places do not matter, and areas are right to a fifth; above, what lies in the cell is spread over
     /// a rectangle.
