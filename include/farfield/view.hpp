@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/vec2.hpp>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -38,11 +37,11 @@ struct View {
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     /// Set by tile(): the camera then shows the larger picture, and this is a part of it.
     PartOfPicture part{};
-    /// If set, nothing stands in that is expected to err more, whatever the tolerance allows, where the approximation
-    /// says what it errs by (ApproximationFacts::expects_error). Where no more is wanted than point sampling gives,
-    /// primitives are point sampled, small ones included, and stand-ins are drawn only where that costs less: a frame
-    /// is then about as fast as an exact one at least. FrameStats says what was chosen.
-    std::optional<WantedError> wanted{};
+    /// Nothing stands in that is expected to err more, whatever the tolerance allows, where the approximation says what
+    /// it errs by (ApproximationFacts::expects_error). Where no more is wanted than point sampling gives, primitives
+    /// are point sampled, small ones included, and stand-ins are drawn only where that costs less: a frame is then
+    /// about as fast as an exact one at least. FrameStats says what was chosen.
+    WantedError wanted = WantedError::any();
 
     /// The size of the picture that the camera shows.
     int whole_width() const { return part.is_whole() ? width : part.whole_width; }
@@ -60,8 +59,8 @@ struct View {
         demand(tolerance_px >= 0 && std::isfinite(tolerance_px), "tolerance_px must be 0 or more and finite");
         demand(distance == DistanceMeasure::nearest_point || distance == DistanceMeasure::depth,
                "distance must be nearest_point or depth");
-        demand(!wanted || wanted->rmse.value_or(0) >= 0, "a wanted error must be 0 or more");
-        demand(!wanted || wanted->samples >= 1, "wanted samples must be 1 or more");
+        demand(!wanted.rmse || *wanted.rmse >= 0, "a wanted error must be 0 or more");
+        demand(wanted.samples >= 1, "wanted samples must be 1 or more");
         if (part.is_whole()) {
             demand(part.left == 0 && part.top == 0 && part.whole_height == 0, "part must name the whole's size");
         } else {

@@ -238,7 +238,7 @@ class Descent {
     template <class V>
     static bool keeps_wanted_error(const V& v, const Subtree& subtree, const Node& node) {
         if constexpr (V::hierarchy_type::approximation_type::facts.expects_error) {
-            return !v.view.wanted ||
+            return v.view.wanted.is_any() ||
                    errs_no_more(v, covered_part(v, subtree), side_px(v, subtree) * error_of_replaced_levels(node));
         } else {
             return true;
@@ -247,7 +247,7 @@ class Descent {
     template <class V>
     static bool errs_no_more(const V& v, float covered, float side_px) {
         const float rmse = v.hierarchy.approximation_policy().expected_rmse(side_px, covered);
-        return rmse <= largest_rmse(*v.view.wanted, side_px, covered);
+        return rmse <= largest_rmse(v.view.wanted, side_px, covered);
     }
     template <class V>
     static float covered_part(const V& v, const Subtree& subtree) {
@@ -267,7 +267,7 @@ class Descent {
     /// counts: that of a primitive is what drawing one costs, and many a point sampled one meets no sample.
     template <class V>
     static bool is_cheaper_exactly(const V& v, const Subtree& subtree, const Node& node, std::uint32_t items) {
-        if (!v.view.wanted || v.view.wanted->rmse || node.child_mask == 0) return false;
+        if (!v.view.wanted.is_point_sampling() || node.child_mask == 0) return false;
         if (subtree.crossed_planes != 0 && items > max_items_unculled) return false;
         const auto price = [&](const Work& work) { return v.hierarchy.cost_policy().cost(work); };
         const float exact = price({.triangles = float(items), .runs = 1});

@@ -15,7 +15,6 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
-#include <optional>
 
 #include "farfield/geometry/box.hpp"
 #include "farfield/geometry/cell.hpp"
@@ -46,7 +45,7 @@ struct LocalView {
     float far_depth = std::numeric_limits<float>::infinity();  ///< local units
     float scale = 1;  ///< world units in one local unit of length: multiply depths by it to compare instances
     float tolerance_px = 1;
-    std::optional<WantedError> wanted{};
+    WantedError wanted = WantedError::any();
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;

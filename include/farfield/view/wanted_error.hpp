@@ -10,6 +10,7 @@
 #include "farfield/settings.hpp"
 
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace farfield {
@@ -17,9 +18,13 @@ namespace farfield {
 /// The largest error that a picture may have.
 struct WantedError {
     /// A root mean square error of channels in [0, 1] over the pixels that objects take. None: no worse than point
-    /// sampling, which is what exact geometry errs by.
+    /// sampling, which is what exact geometry errs by. Infinity: any.
     std::optional<double> rmse{};
     int samples = 1;  ///< a pixel, that the renderer draws with
+
+    static constexpr WantedError any() { return {.rmse = std::numeric_limits<double>::infinity()}; }
+    bool is_any() const { return rmse && std::isinf(*rmse); }
+    bool is_point_sampling() const { return !rmse; }
 };
 
 /// What point sampling errs by over a cell that is `side_px` wide and of which its contents cover a part: edges, of
