@@ -40,7 +40,8 @@ struct View {
     /// Nothing stands in that is expected to err more, whatever the tolerance allows, where the approximation says what
     /// it errs by (ApproximationFacts::expects_error). Where no more is wanted than point sampling gives, primitives
     /// are point sampled, small ones included, and stand-ins are drawn only where that costs less: a frame is then
-    /// about as fast as an exact one at least. FrameStats says what was chosen.
+    /// seldom slower than an exact one, though what is expected is not always so (bench/README.md). FrameStats says
+    /// what was chosen.
     WantedError wanted = WantedError::any();
 
     /// The size of the picture that the camera shows.
