@@ -55,6 +55,7 @@ struct ApproximationFacts {
     bool merges_octants = false;      ///< MergesOctants is required: parents are made from their children
     bool has_pool = false;            ///< data of varying size: hooks that take or make data get the pool after it
     bool bounds_error = false;        ///< BoundsError is required
+    bool expects_error = false;       ///< ExpectsError is required; only where cells have stand-ins
     bool compares = false;            ///< ComparesWithChildren is required; not where there is a pool
     bool provides_area_law = false;   ///< ProvidesAreaLaw is required; only where cells have stand-ins
     bool samples_primitives = false;  ///< SamplesPrimitives is required; only where cells have stand-ins
@@ -157,6 +158,16 @@ concept BoundsError = requires(const A& a, const Cell& cell, unsigned levels, co
     { a.least_error_px(cell, levels, view) } -> std::convertible_to<float>;
 };
 
+/// covered_part() says which part of the cell's outline its contents cover, seen from the view; expected_rmse() what
+/// the picture errs by over the pixels of a cell so wide, of which so much is covered, if it stands in
+/// (view/wanted_error.hpp).
+template <class A>
+concept ExpectsError = requires(const A& a, const typename A::stand_in_data& data, const Cell& cell,
+                                const LocalView& view) {
+    { a.covered_part(data, cell, view) } -> std::same_as<float>;
+    { a.expected_rmse(1.0f, 1.0f) } -> std::same_as<float>;
+};
+
 /// reproduces() says whether a cell's stand-in, drawn in place of its children's, gives their picture. It is asked of
 /// cells all of whose children have stand-ins; where it holds these are not kept. The cell's error is halved with its
 /// children's, so error_px must be proportional to the cell's size at a given distance.
@@ -257,14 +268,17 @@ concept MergesOctantsIfStated = !A::facts.merges_octants || (A::facts.stands_in 
 template <class A>
 concept BoundsErrorIfStated = !A::facts.bounds_error || BoundsError<A>;
 template <class A>
+concept ExpectsErrorIfStated = !A::facts.expects_error || (A::facts.stands_in && ExpectsError<A>);
+template <class A>
 concept ComparesIfStated = !A::facts.compares || (A::facts.stands_in && ComparesWithChildren<A>);
 template <class A>
 concept ProvidesAreaLawIfStated = !A::facts.provides_area_law || (A::facts.stands_in && ProvidesAreaLaw<A>);
 }  // namespace detail
 
 template <class A>
-concept Approximation = StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> &&
-    detail::MergesOctantsIfStated<A> && detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> &&
+concept Approximation =
+    StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> && detail::MergesOctantsIfStated<A> &&
+    detail::BoundsErrorIfStated<A> && detail::ExpectsErrorIfStated<A> && detail::ComparesIfStated<A> &&
     detail::ProvidesAreaLawIfStated<A> && detail::SamplesPrimitivesIfStated<A> && detail::CachesImagesIfStated<A>;
 
 // --- the one place where hooks are called whose form, or presence, depends on the approximation

@@ -174,6 +174,10 @@ constexpr bool check_stand_ins() {
             "farfield: an approximation with `provides_area_law` needs `std::optional<AreaLaw> area_law(const "
             "stand_in_data&) const`");
         static_assert(
+            !A::facts.expects_error || ExpectsError<A>,
+            "farfield: an approximation with `expects_error` needs `float covered_part(const stand_in_data&, const "
+            "Cell&, const LocalView&) const` and `float expected_rmse(float side_px, float covered) const`");
+        static_assert(
             !A::facts.samples_primitives || SamplesPrimitives<A>,
             "farfield: an approximation with `samples_primitives` needs polygons, accepts `unique` alone, and "
             "has `float sample_key(std::uint32_t, double) const`, `std::uint32_t sample_size(double) const` "
@@ -192,11 +196,11 @@ constexpr bool check_approximation() {
         if constexpr (A::facts.stands_in) {
             static_assert(check_stand_ins<A>());
         } else {
-            static_assert(
-                !A::facts.merges_octants && !A::facts.compares && !A::facts.provides_area_law &&
-                    !A::facts.samples_primitives,
-                "farfield: `merges_octants`, `compares`, `provides_area_law` and `samples_primitives` go with "
-                "`stands_in` only");
+            static_assert(!A::facts.merges_octants && !A::facts.expects_error && !A::facts.compares &&
+                              !A::facts.provides_area_law && !A::facts.samples_primitives,
+                          "farfield: `merges_octants`, `expects_error`, `compares`, `provides_area_law` and "
+                          "`samples_primitives` go with "
+                          "`stands_in` only");
         }
         static_assert(
             !A::facts.caches_images || CachesImages<A>,

@@ -23,6 +23,7 @@
 #include "farfield/simd.hpp"
 #include "farfield/view.hpp"
 #include "farfield/view/frustum.hpp"
+#include "farfield/view/wanted_error.hpp"
 
 namespace farfield {
 
@@ -44,6 +45,7 @@ struct LocalView {
     float far_depth = std::numeric_limits<float>::infinity();  ///< local units
     float scale = 1;  ///< world units in one local unit of length: multiply depths by it to compare instances
     float tolerance_px = 1;
+    WantedError wanted = WantedError::any();
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
@@ -91,6 +93,7 @@ struct LocalView {
           near_depth(view.camera.near_depth),
           far_depth(view.camera.far_depth),
           tolerance_px(view.tolerance_px),
+          wanted(view.wanted),
           distance(view.distance),
           width(view.width),
           height(view.height),
