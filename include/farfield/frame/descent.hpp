@@ -54,6 +54,11 @@ struct Entered {
     std::uint64_t path;  ///< as CellId's
 };
 
+/// A cut that the view's tolerance decides alone.
+struct WithinTolerance {
+    static constexpr bool is_limited = false;
+};
+
 /// Sink is told, in order:
 ///
 ///     enter(entered), leave(entered)                what lies between is in that hierarchy's coordinates
@@ -63,12 +68,16 @@ struct Entered {
 ///     hidden(entered, subtree) -> bool              whether it cannot be seen behind what came before
 ///
 /// R is the renderer that it is chosen for. All but the sink is a viewer's own and lives from frame to frame.
-template <class R, class Sink>
+///
+/// A limited Cut (frame/frame_budget.hpp) says of each cell beyond the tolerance whether it is opened: opens(entered,
+/// subtree). Where it is not, its stand-in is drawn, or nothing if it has none.
+template <class R, class Sink, class Cut = WithinTolerance>
 class Descent {
   public:
     /// `deposits`: in this frame runs carry their cells' laws, where they are known.
-    Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits)
-        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits) {
+    Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits,
+            const Cut& cut = {})
+        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits), cut_(cut) {
         instances_.resize(0);  // an exception may have ended the last one
     }
 
@@ -123,6 +132,14 @@ class Descent {
                 return;
             }
         }
+        if constexpr (Cut::is_limited) {
+            if (!cut_.opens(v, subtree)) {
+                if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
+                    if (subtree.has_stand_in()) draw_stand_in(v, subtree);
+                }
+                return;
+            }
+        }
         const std::uint32_t items = subtree.end_item - node.first_item;
         if constexpr (R::facts.answers_hidden) {
             if (items >= min_items_for_occlusion_query && !visits_all<V>() && sink_.hidden(v, subtree)) {
@@ -170,6 +187,7 @@ class Descent {
     static bool may_stand_in_below(const V& v, const Subtree& subtree, const Node& node) {
         using H = typename V::hierarchy_type;
         using A = typename H::approximation_type;
+        if constexpr (Cut::is_limited) return Cut::may_stop_below(v, node);
         // Level 0 is the node itself, whose stand-in was asked first.
         if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return false;
         if constexpr (A::facts.bounds_error && H::partition_type::facts.children_are_octants) {
@@ -312,6 +330,7 @@ class Descent {
     FrameStats& stats_;
     Sink& sink_;
     bool deposits_;
+    Cut cut_;
 };
 
 }  // namespace detail
