@@ -29,8 +29,10 @@
 
 namespace farfield {
 
-/// What a frame may cost, in the cost model's unit: with MeasuredTime nanoseconds, by prices that calibrate() has
-/// measured on this machine; with TriangleCount triangles.
+/// What a frame may cost, in the cost model's unit: with TriangleCount triangles, which is kept to exactly; with
+/// MeasuredTime nanoseconds, by prices that calibrate() has measured on this machine. Those know neither what large
+/// stand-ins take for each pixel that they cover nor what choosing the cut takes: small budgets of coarse cuts are
+/// exceeded several times over.
 template <CostModel C>
 struct FrameBudget {
     C prices{};
