@@ -23,6 +23,7 @@
 #include "farfield/frame/draw_queue.hpp"
 #include "farfield/frame/image_chooser.hpp"
 #include "farfield/frame/image_maker.hpp"
+#include "farfield/frame/frame_budget.hpp"
 #include "farfield/frame/instance_stack.hpp"
 #include "farfield/frame/selection.hpp"
 #include "farfield/frame/source_table.hpp"
@@ -141,6 +142,23 @@ class Viewer {
                          [&](detail::SelectionSink& sink, FrameStats& stats) {
                              detail::Descent<R, detail::SelectionSink> descent(sources_, instances_, stats, sink,
                                                                                deposits(view));
+                             descent.enter(hierarchy_, primitives_, local, 0);
+                         });
+    }
+
+    /// Selects the best that a budget pays for, into memory that both keep from frame to frame; see
+    /// frame/frame_budget.hpp. Nothing where it does not pay for the coarsest picture.
+    template <CostModel C>
+    void select(const View& view, const FrameBudget<C>& budget, Refinement& refinement, Selection<H, P>& selection) {
+        const LocalView local = outermost(view);
+        refinement.refine(hierarchy_, primitives_, local, budget);
+        if (refinement.is_complete()) return select(view, selection);
+        selection.select(hierarchy_, primitives_, view, local, traversal_order<H, R>,
+                         [&](detail::SelectionSink& sink, FrameStats& stats) {
+                             if (!refinement.is_begun()) return;
+                             using Cut = detail::WithinBudget;
+                             detail::Descent<R, detail::SelectionSink, Cut> descent(
+                                 sources_, instances_, stats, sink, deposits(view), Cut{refinement.stop()});
                              descent.enter(hierarchy_, primitives_, local, 0);
                          });
     }

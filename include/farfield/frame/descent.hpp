@@ -68,6 +68,11 @@ inline constexpr bool asks_for_images = requires {
 }
 &&H::approximation_type::facts.caches_images;
 
+/// A cut that the view's tolerance decides alone.
+struct WithinTolerance {
+    static constexpr bool is_limited = false;
+};
+
 /// Sink is told, in order:
 ///
 ///     enter(entered), leave(entered)                what lies between is in that hierarchy's coordinates
@@ -82,12 +87,16 @@ inline constexpr bool asks_for_images = requires {
 ///     end_cell(entered, subtree)                    after its contents, unless it was drawn by its image
 ///
 /// R is the renderer that it is chosen for. All but the sink is a viewer's own and lives from frame to frame.
-template <class R, class Sink>
+///
+/// A limited Cut (frame/frame_budget.hpp) says of each cell beyond the tolerance whether it is opened: opens(entered,
+/// subtree). Where it is not, its stand-in is drawn, or nothing if it has none.
+template <class R, class Sink, class Cut = WithinTolerance>
 class Descent {
   public:
     /// `deposits`: in this frame runs carry their cells' laws, where they are known.
-    Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits)
-        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits) {
+    Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits,
+            const Cut& cut = {})
+        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits), cut_(cut) {
         instances_.resize(0);  // an exception may have ended the last one
     }
 
@@ -153,6 +162,14 @@ class Descent {
         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
             if (may_stand_in(v, subtree, node)) {
                 draw_stand_in(v, subtree);
+                return;
+            }
+        }
+        if constexpr (Cut::is_limited) {
+            if (!cut_.opens(v, subtree)) {
+                if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
+                    if (subtree.has_stand_in()) draw_stand_in(v, subtree);
+                }
                 return;
             }
         }
@@ -228,6 +245,7 @@ class Descent {
     static bool may_stand_in_below(const V& v, const Subtree& subtree, const Node& node) {
         using H = typename V::hierarchy_type;
         using A = typename H::approximation_type;
+        if constexpr (Cut::is_limited) return Cut::may_stop_below(v, node);
         // Level 0 is the node itself, whose stand-in was asked first.
         if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return false;
         if constexpr (A::facts.bounds_error && H::partition_type::facts.children_are_octants) {
@@ -370,6 +388,7 @@ class Descent {
     FrameStats& stats_;
     Sink& sink_;
     bool deposits_;
+    Cut cut_;
 };
 
 }  // namespace detail
