@@ -10,13 +10,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <vector>
 
 #include "farfield/approximation.hpp"
-#include "farfield/cost_model.hpp"
+#include "farfield/cost_model/frame_prices.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/frame/descent.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/subtree.hpp"
@@ -29,18 +33,13 @@
 
 namespace farfield {
 
-/// What a frame may cost, in the cost model's unit: with TriangleCount triangles, which is kept to exactly; with
-/// MeasuredTime nanoseconds, by prices that calibrate() has measured on this machine. Those know neither what large
-/// stand-ins take for each pixel that they cover nor what choosing the cut takes: small budgets of coarse cuts are
-/// exceeded several times over.
-template <CostModel C>
+/// What a frame may cost, in the unit of its prices: nanoseconds, or primitives (FramePrices::of_primitives).
 struct FrameBudget {
-    C prices{};
+    FramePrices prices{};
     double most = 0;
-    /// Of that, what every frame costs whatever it draws: clearing a picture and finishing it.
-    double fixed = 0;
     /// A view that has not changed since the last frame is refined further, by another `most`, until all of it is
-    /// within the view's tolerance; then nothing changes any more.
+    /// within the view's tolerance; then nothing changes any more. Frames of it take longer from one to the next, as
+    /// all is drawn that has been paid for.
     bool refines_still_views = false;
 };
 
@@ -61,42 +60,97 @@ struct Gain {
     }
 };
 
-/// Pixels that a cell covers, at most all.
-inline float area_px(const LocalView& view, const Cell& cell) {
-    const float whole = float(view.part.whole_width) * float(view.part.whole_height);
+/// Pixels of the picture that a cell covers, about: a square as large as its largest side looks.
+inline float covered_px(const LocalView& view, const Subtree& subtree) {
+    const Cell& cell = subtree.cell;
     const float side = view.pixels(cell.largest_side(), view.distance_to(cell));
-    return std::min(side * side, whole);
+    const glm::vec2 whole(view.part.whole_width, view.part.whole_height);
+    if (subtree.crossed_planes == 0 || !(side < 2 * std::max(whole.x, whole.y))) {
+        return std::min(side, whole.x) * std::min(side, whole.y);
+    }
+    const glm::vec3 d = cell.bounds_center - view.eye;
+    const float depth = view.is_perspective ? glm::dot(d, view.forward) : 1.0f;
+    if (!(depth > 0)) return 0.5f * std::min(side, whole.x) * std::min(side, whole.y);
+    const glm::vec2 center =
+        glm::vec2(glm::dot(d, view.right), glm::dot(d, view.up)) * view.squeeze * (view.focal_px / depth) -
+        0.5f * whole * glm::vec2(view.whole_off_center);
+    const glm::vec2 lower = glm::max(center - 0.5f * side, -0.5f * whole);
+    const glm::vec2 upper = glm::min(center + 0.5f * side, 0.5f * whole);
+    const glm::vec2 size = glm::max(upper - lower, glm::vec2(0));
+    return size.x * size.y;
 }
 
 /// The same view from inside an instance, as a descent makes it.
 template <class E, class I>
-LocalView view_inside(const E& outer, const I& instance, std::uint64_t primitive) {
+LocalView view_inside(const E& outer, const I& instance, std::uint64_t path) {
     LocalView inner = outer.view.inside(instance.to_world, outer.hierarchy.origin(), instance.hierarchy->origin());
-    inner.seed = std::uint32_t(mixed(outer.path, primitive + 1) >> 32);
+    inner.seed = std::uint32_t(path >> 32);
     return inner;
+}
+
+/// The work of drawing a run, but for the pixels and for what instances in it hold.
+template <class E>
+FrameWork work_of_run(const E& e, std::uint32_t first, std::uint32_t end, float px) {
+    using P = typename E::primitive_type;
+    double triangles = 0;
+    FrameWork work;
+    if constexpr (PrimitiveWithInstance<P>) {
+        for (std::uint32_t at = first; at < end; ++at) {
+            const P& p = e.source[at];
+            if (!primitive_traits<P>::visit_instance(p, [](const auto&) {})) triangles += double(work_of(p).triangles);
+        }
+    } else if (!e.source.fragments.empty()) {
+        const auto& vertex = e.source.fragments.first_vertex;
+        triangles = double(vertex[end] - vertex[first]) - 2.0 * double(end - first);
+    } else {
+        triangles = double(e.hierarchy.facts().work.triangles) /
+                    double(std::max<std::uint64_t>(e.hierarchy.primitive_count(), 1)) * double(end - first);
+    }
+    if (!(triangles > 0)) return work;
+    work[FrameWork::runs] = 1;
+    // Others may have drawn every second item: a run is broken where something is left out.
+    if (E::hierarchy_type::assignment == Assignment::shared) work[FrameWork::runs] = std::ceil(0.5 * triangles);
+    work[double(px) > 2 * triangles ? FrameWork::large_triangles : FrameWork::triangles] = triangles;
+    work[FrameWork::triangle_pixels] = double(px);
+    return work;
+}
+
+template <class A, class Data>
+FrameWork work_of_drawing(const A& approximation, const Data& data, float px) {
+    const Work w = work_of_stand_in(approximation, data);
+    FrameWork work;
+    work[FrameWork::stand_ins] = double(w.faces) + double(w.splats);
+    work[FrameWork::stand_in_pixels] = double(px);
+    return work;
 }
 
 /// Projected area times error, by the price of opening: "coverage x error removed / cost". Where nothing stands in,
 /// everything is missing, and the error is the cell's own size.
 template <class E>
-Gain gain_of_opening(const E& entered, const Subtree& subtree) {
-    using A = typename E::hierarchy_type::approximation_type;
-    const auto& h = entered.hierarchy;
-    const LocalView& view = entered.view;
+Gain gain_of_opening(const E& entered, const Subtree& subtree, const FramePrices& prices, float px) {
+    using H = typename E::hierarchy_type;
+    using A = typename H::approximation_type;
+    const H& h = entered.hierarchy;
     const Node& node = h.nodes()[subtree.node];
-    const float whole = std::max(float(view.part.whole_width), float(view.part.whole_height));
-    const float side = std::min(view.pixels(subtree.cell.largest_side(), view.distance_to(subtree.cell)), whole);
-    float error = side;
-    if constexpr (A::facts.stands_in) {
-        if (subtree.has_stand_in()) {
-            error = h.approximation_policy().error_px(h.stand_ins()[subtree.stand_in], subtree.cell, view) *
+    const float whole = std::max(float(entered.view.part.whole_width), float(entered.view.part.whole_height));
+    float error = whole;
+    if (A::facts.stands_in && subtree.has_stand_in()) {
+        if constexpr (A::facts.stands_in) {
+            error = h.approximation_policy().error_px(h.stand_ins()[subtree.stand_in], subtree.cell, entered.view) *
                     error_of_replaced_levels(node);
         }
+    } else {
+        error = entered.view.pixels(subtree.cell.largest_side(), entered.view.distance_to(subtree.cell));
     }
-    const unsigned children = bits_set[node.child_mask];
+    const auto& each = prices.each;
+    const double children = bits_set[node.child_mask];
     const std::uint32_t own_end = children == 0 ? subtree.end_item : h.nodes()[node.first_child].first_item;
-    const float price = 1 + float(8 * children) + float(own_end - node.first_item);
-    return {area_px(view, subtree.cell) * std::min(error, whole) / price, mixed(entered.path, subtree.node)};
+    const double an_item = PrimitiveWithInstance<typename E::primitive_type>
+                               ? each[FrameWork::instances] + each[FrameWork::stand_ins]
+                               : each[FrameWork::triangles];
+    const double price = each[FrameWork::openings] + children * (each[FrameWork::cells] + each[FrameWork::stand_ins]) +
+                         double(own_end - node.first_item) * an_item;
+    return {px * std::min(error, whole) / float(std::max(price, 1e-6)), mixed(entered.path, subtree.node)};
 }
 
 /// The cut that is left when the budget is spent: cells are opened whose gain is above where refining ended. What was
@@ -104,13 +158,14 @@ Gain gain_of_opening(const E& entered, const Subtree& subtree) {
 struct WithinBudget {
     static constexpr bool is_limited = true;
     Gain stop = Gain::infinite();
+    const FramePrices* prices = nullptr;
 
     template <class V>
     bool opens(const V& v, const Subtree& subtree) const {
         using A = typename V::hierarchy_type::approximation_type;
-        // What has no stand-in belongs to what was opened above it, if anything was.
-        if (A::facts.stands_in && !subtree.has_stand_in()) return stop < Gain::infinite();
-        return stop < gain_of_opening(v, subtree);
+        // What has no stand-in belongs to what was opened above it.
+        if (A::facts.stands_in && !subtree.has_stand_in()) return true;
+        return stop < gain_of_opening(v, subtree, *prices, covered_px(v.view, subtree));
     }
     template <class V>
     static bool may_stop_below(const V&, const Node& node) {
@@ -138,32 +193,35 @@ inline bool is_same_view(const LocalView& a, const LocalView& b) {
 /// refining ends is one number, by which a descent finds the same cut again, in the order that is drawn.
 class Refinement {
   public:
-    /// What the cut costs by the budget's prices, the fixed part included: at most `most` for each frame that went into
-    /// it.
-    double spent() const { return cost_ + fixed_; }
+    /// What the cut takes: at most `most` for each frame that went into it, unless the coarsest picture takes more,
+    /// which is drawn all the same.
+    double spent() const { return cost_; }
+    /// The same in counts.
+    const FrameWork& work() const { return work_; }
     /// All of the view is within its tolerance.
-    bool is_complete() const { return is_begun_ && steps_.empty(); }
-    /// False where the budget does not pay for the coarsest picture. Nothing is drawn then.
-    bool is_begun() const { return is_begun_; }
-    /// The gain that opening a cell must exceed, for Viewer.
-    const detail::Gain& stop() const { return stop_; }
+    bool is_complete() const { return steps_.empty(); }
 
-    /// For Viewer: opens cells of a view until the budget is spent.
-    template <class H, class P, CostModel C>
-    void refine(const H& hierarchy, std::span<const P> primitives, const LocalView& view,
-                const FrameBudget<C>& budget) {
-        model_ = &budget.prices;
-        set_prices(budget.prices);
+    /// For Viewer: opens cells of a view until the budget is spent. Throws std::invalid_argument for a budget or a
+    /// price that is no number, or negative.
+    template <class H, class P>
+    void refine(const H& hierarchy, std::span<const P> primitives, const LocalView& view, const FrameBudget& budget) {
+        if (const char* why = budget.prices.wrong_option()) {
+            detail::fail<std::invalid_argument>(std::string("farfield::") + why);
+        }
+        if (!(budget.most >= 0)) {
+            detail::fail<std::invalid_argument>("farfield::FrameBudget: most must be 0 or more");
+        }
         const bool goes_on = budget.refines_still_views && !contexts_.empty() && contexts_[0].hierarchy == &hierarchy &&
-                             contexts_[0].primitives == primitives.data() &&
-                             contexts_[0].open == &Refinement::open_in<H, P, C> &&
+                             contexts_[0].primitives == primitives.data() && prices_.each.of == budget.prices.each.of &&
+                             contexts_[0].open == &Refinement::open_in<H, P> &&
                              detail::is_same_view(contexts_[0].view, view);
-        const double most = std::max(0.0, budget.most - budget.fixed);
-        fixed_ = budget.fixed;
-        most_ = goes_on ? most_ + most : most;
-        if (!goes_on || !is_begun_) begin<C>(hierarchy, primitives, view);
-        if (is_begun_) open_best();
+        prices_ = budget.prices;
+        most_ = goes_on ? most_ + budget.most : budget.most;
+        if (!goes_on) begin(hierarchy, primitives, view);
+        open_best();
     }
+    /// For Viewer: which cells a descent opens.
+    detail::WithinBudget cut() const { return {stop_, &prices_}; }
 
   private:
     /// A hierarchy that was entered.
@@ -173,13 +231,13 @@ class Refinement {
         std::size_t count;
         LocalView view;
         std::uint64_t path;
-        double (*open)(Refinement&, std::uint32_t context, const Subtree&);  ///< adds to shown_, gives the price
+        void (*open)(Refinement&, std::uint32_t context, const Subtree&);  ///< adds to shown_ and more_
     };
     /// A cell that is drawn by its stand-in, or not at all, and could be opened.
     struct Shown {
         Subtree subtree;
         std::uint32_t context;
-        double price;  ///< of the stand-in
+        float stand_ins, px;  ///< of the stand-in: what opening saves
         detail::Gain gain;
     };
     struct Step {
@@ -188,43 +246,29 @@ class Refinement {
         friend bool operator<(const Step& a, const Step& b) { return a.gain < b.gain; }
     };
 
-    template <CostModel C>
-    void set_prices(const C& prices) {
-        triangle_ = double(prices.cost({.triangles = 1}));
-        cell_ = double(prices.cost({.cells = 1}));
-        run_ = double(prices.cost({.runs = 1}));
-        pixel_ = 0;
-        // A near triangle of the calibration covers a hundred pixels.
-        if constexpr (requires { prices.near_triangle; }) {
-            pixel_ = 0.01 * std::max(0.0, double(prices.near_triangle) - triangle_);
-        }
-    }
-
-    template <CostModel C, class H, class P>
+    template <class H, class P>
     std::uint32_t enter(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path) {
-        contexts_.push_back({&h, primitives.data(), primitives.size(), view, path, &Refinement::open_in<H, P, C>});
+        contexts_.push_back({&h, primitives.data(), primitives.size(), view, path, &Refinement::open_in<H, P>});
         return std::uint32_t(contexts_.size() - 1);
     }
 
-    template <CostModel C, class H, class P>
+    template <class H, class P>
     void begin(const H& hierarchy, std::span<const P> primitives, const LocalView& view) {
         contexts_.clear();
         shown_.clear();
         steps_.clear();
-        cost_ = 0;
-        stop_ = detail::Gain::infinite();
-        const std::uint32_t context = enter<C>(hierarchy, primitives, view, 0);
+        work_ = more_ = {};
+        more_[FrameWork::frames] = 1;
+        more_[FrameWork::pixels] = double(view.width) * double(view.height);
+        enter(hierarchy, primitives, view, 0);
         if (hierarchy.item_count() != 0) {
             const detail::Entered<H, P> entered{hierarchy, detail::source_of(hierarchy, primitives, 0), view, 0};
             Subtree whole = whole_of(hierarchy);
-            cost_ = show<C>(entered, context, whole);
+            show(entered, 0, whole);
         }
-        is_begun_ = cost_ <= most_;
-        if (is_begun_) {
-            add_steps(0, detail::Gain::infinite());
-        } else {
-            cost_ = 0;
-        }
+        work_ = more_;
+        cost_ = prices_.cost(work_);
+        add_steps(0, detail::Gain::infinite());
     }
 
     void add_steps(std::size_t first_shown, const detail::Gain& limit) {
@@ -235,12 +279,21 @@ class Refinement {
     }
 
     void open_best() {
+        stop_ = detail::Gain::none();
         while (!steps_.empty()) {
             const Step step = steps_.front();
+            if (cost_ >= most_) {
+                stop_ = step.gain;
+                return;
+            }
             const std::size_t shown = shown_.size(), contexts = contexts_.size();
-            const std::uint32_t context = shown_[step.shown].context;
-            const double more =
-                contexts_[context].open(*this, context, Subtree(shown_[step.shown].subtree)) - shown_[step.shown].price;
+            const Shown opened = shown_[step.shown];  // more of them may move it
+            more_ = {};
+            more_[FrameWork::openings] = 1;
+            more_[FrameWork::stand_ins] = -double(opened.stand_ins);
+            more_[FrameWork::stand_in_pixels] = -double(opened.px);
+            contexts_[opened.context].open(*this, opened.context, opened.subtree);
+            const double more = prices_.cost(more_);
             if (cost_ + more > most_) {
                 shown_.erase(shown_.begin() + std::ptrdiff_t(shown), shown_.end());
                 contexts_.erase(contexts_.begin() + std::ptrdiff_t(contexts), contexts_.end());
@@ -248,110 +301,101 @@ class Refinement {
                 return;
             }
             cost_ += more;
+            work_ += more_;
             std::pop_heap(steps_.begin(), steps_.end());
             steps_.pop_back();
             add_steps(shown, step.gain);
         }
-        stop_ = detail::Gain::none();
     }
 
-    template <class H, class P, CostModel C>
-    static double open_in(Refinement& self, std::uint32_t context, const Subtree& subtree) {
+    template <class H, class P>
+    static void open_in(Refinement& self, std::uint32_t context, const Subtree& subtree) {
         const Context c = self.contexts_[context];  // more of them may move it
         const H& h = *static_cast<const H*>(c.hierarchy);
         const std::span<const P> primitives(static_cast<const P*>(c.primitives), c.count);
         const detail::Entered<H, P> entered{h, detail::source_of(h, primitives, 0), c.view, c.path};
-        return self.open<C>(entered, context, subtree);
+        self.open(entered, context, subtree);
     }
 
-    /// The price of a cell's contents: its own run, and its children as they are shown at first.
-    template <CostModel C, class V>
-    double open(const V& v, std::uint32_t context, const Subtree& subtree) {
+    /// A cell's contents: its own run, and its children as they are shown at first.
+    template <class V>
+    void open(const V& v, std::uint32_t context, const Subtree& subtree) {
         const auto& h = v.hierarchy;
         const Node& node = h.nodes()[subtree.node];
         const std::uint32_t items = subtree.end_item - node.first_item;
         const bool as_one_run = subtree.crossed_planes == 0 || items <= max_items_unculled;
         if (node.child_mask == 0 || (as_one_run && !detail::WithinBudget::may_stop_below(v, node))) {
-            return price_of_items<C>(v, subtree, node.first_item, subtree.end_item);
+            add_items(v, subtree, node.first_item, subtree.end_item, 1);
+            return;
         }
         const std::uint32_t own_end = h.nodes()[node.first_child].first_item;
-        double price = own_end != node.first_item ? price_of_items<C>(v, subtree, node.first_item, own_end) : 0;
+        if (own_end != node.first_item) {
+            add_items(v, subtree, node.first_item, own_end, float(own_end - node.first_item) / float(items));
+        }
         for_each_child<VisitOrder::any>(h, subtree, v.view.viewpoint(),
-                                        [&](Subtree& child) { price += show<C>(v, context, child); });
-        return price;
+                                        [&](Subtree& child) { show(v, context, child); });
     }
 
-    /// The price of the coarsest picture of a cell: its stand-in; without one all that it holds; and nothing at all
-    /// where there are no stand-ins.
-    template <CostModel C, class V>
-    double show(const V& v, std::uint32_t context, Subtree& subtree) {
+    /// The coarsest picture of a cell: its stand-in; without one all that it holds; and nothing at all where there are
+    /// no stand-ins.
+    template <class V>
+    void show(const V& v, std::uint32_t context, Subtree& subtree) {
         using A = typename V::hierarchy_type::approximation_type;
-        if (is_outside(v.view.planes, subtree) || is_outside_tile(v.view, subtree)) return cell_;
+        more_[FrameWork::cells] += 1;
+        if (is_outside(v.view.planes, subtree) || is_outside_tile(v.view, subtree)) return;
+        const float px = detail::covered_px(v.view, subtree);
         if constexpr (A::facts.stands_in) {
-            if (!subtree.has_stand_in()) return cell_ + open<C>(v, context, subtree);
+            if (!subtree.has_stand_in()) return open(v, context, subtree);
             const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
             const auto& approximation = v.hierarchy.approximation_policy();
-            const double price =
-                double(static_cast<const C*>(model_)->cost(detail::work_of_stand_in(approximation, data)));
+            const FrameWork work = detail::work_of_drawing(approximation, data, px);
+            more_ += work;
             const float error = approximation.error_px(data, subtree.cell, v.view) *
                                 detail::error_of_replaced_levels(v.hierarchy.nodes()[subtree.node]);
             const bool is_good = v.view.tolerance_px > 0 && error <= v.view.tolerance_px;
-            if (!is_good) shown_.push_back({subtree, context, price, detail::gain_of_opening(v, subtree)});
-            return cell_ + price;
+            if (!is_good) {
+                shown_.push_back({subtree, context, float(work[FrameWork::stand_ins]), px,
+                                  detail::gain_of_opening(v, subtree, prices_, px)});
+            }
         } else {
-            shown_.push_back({subtree, context, 0, detail::gain_of_opening(v, subtree)});
-            return cell_;
+            shown_.push_back({subtree, context, 0, 0, detail::gain_of_opening(v, subtree, prices_, px)});
         }
     }
 
-    template <CostModel C, class V>
-    double price_of_items(const V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end) {
+    /// `part` of the cell's pixels are theirs.
+    template <class V>
+    void add_items(const V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, float part) {
         using P = typename V::primitive_type;
-        double triangles = 0, inside = 0;
+        more_ += detail::work_of_run(v, first, end, part * detail::covered_px(v.view, subtree));
         if constexpr (PrimitiveWithInstance<P>) {
             for (std::uint32_t at = first; at < end; ++at) {
                 const P& p = v.source[at];
-                const bool is_instance = primitive_traits<P>::visit_instance(p, [&](const auto& instance) {
-                    inside += show_instance<C>(v, instance, std::uint64_t(&p - v.source.primitives.data()));
+                primitive_traits<P>::visit_instance(p, [&](const auto& instance) {
+                    show_instance(v, instance, std::uint64_t(&p - v.source.primitives.data()));
                 });
-                if (!is_instance) triangles += double(work_of(p).triangles);
             }
-        } else if (!v.source.fragments.empty()) {
-            const auto& vertex = v.source.fragments.first_vertex;
-            triangles = double(vertex[end] - vertex[first]) - 2.0 * double(end - first);
-        } else {
-            triangles = double(v.hierarchy.facts().work.triangles) /
-                        double(std::max<std::uint64_t>(v.hierarchy.primitive_count(), 1)) * double(end - first);
         }
-        if (!(triangles > 0)) return inside;
-        double runs = 1;
-        if constexpr (V::hierarchy_type::assignment == Assignment::shared) {
-            // Others may have drawn every second item: a run is broken where something is left out.
-            if (run_ > triangle_) runs = std::ceil(0.5 * triangles);
-            triangles -= runs - 1;
-        }
-        inside += run_ * runs + triangle_ * triangles + pixel_ * double(detail::area_px(v.view, subtree.cell));
-        return inside;
     }
 
-    template <CostModel C, class V, class I>
-    double show_instance(const V& v, const I& instance, std::uint64_t primitive) {
+    template <class V, class I>
+    void show_instance(const V& v, const I& instance, std::uint64_t primitive) {
         using H = std::remove_cvref_t<decltype(*instance.hierarchy)>;
         using P = std::remove_cvref_t<decltype(instance.primitives[0])>;
         const H& h = *instance.hierarchy;
-        if (h.item_count() == 0) return 0;
-        const LocalView view = detail::view_inside(v, instance, primitive);
-        const std::span<const P> primitives(instance.primitives);
+        more_[FrameWork::instances] += 1;
+        if (h.item_count() == 0) return;
         const std::uint64_t path = detail::mixed(v.path, primitive + 1);
-        const std::uint32_t context = enter<C>(h, primitives, view, path);
+        const LocalView view = detail::view_inside(v, instance, path);
+        const std::span<const P> primitives(instance.primitives);
+        const std::uint32_t context = enter(h, primitives, view, path);
         const detail::Entered<H, P> entered{h, detail::source_of(h, primitives, 0), view, path};
         Subtree whole = whole_of(h);
-        return show<C>(entered, context, whole);
+        show(entered, context, whole);
     }
 
-    const void* model_ = nullptr;  ///< of this call of refine()
-    double triangle_ = 0, pixel_ = 0, cell_ = 0, run_ = 0, most_ = 0, cost_ = 0, fixed_ = 0;
-    bool is_begun_ = false;
+    FramePrices prices_{};
+    double most_ = 0, cost_ = 0;
+    FrameWork work_{}, more_{};  ///< more_: of the step that is made
     detail::Gain stop_ = detail::Gain::infinite();
     std::vector<Context> contexts_{};  ///< the outermost first
     std::vector<Shown> shown_{};

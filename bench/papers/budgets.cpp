@@ -1,0 +1,155 @@
+// Frames within a budget of time, on 200 frames through an island of instanced trees, 640 x 480: frames above the
+// budget, and how the error falls as it grows.
+//
+//     bench_budgets [--quick] [PART...]        parts: time error
+//
+// Prices are measured on twelve views beside the path, before the first frame. Times are the processor's.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/approximation/sample_set.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/measure/image_error.hpp"
+#include "farfield/partition/octree.hpp"
+#include "scenes/generate/island.hpp"
+#include "scenes/placed_scene.hpp"
+
+namespace farfield::bench {
+namespace {
+
+bool is_quick = false;
+
+/// Of this thread, on the processor.
+double now_ns() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return double(t.tv_sec) * 1e9 + double(t.tv_nsec);
+}
+
+/// Across the island at the height of treetops, turning; `beside` moves the path, in parts of it.
+View on_the_way(const Box& bounds, double at, double beside) {
+    const glm::dvec3 size(bounds.size()), center(bounds.center());
+    const double angle = 2 * std::numbers::pi * at;
+    const glm::dvec3 eye = center +
+                           glm::dvec3(size.x * 0.42 * std::cos(angle), 0, size.z * 0.42 * std::sin(2 * angle)) +
+                           glm::dvec3(size.x * beside, size.y * (0.15 + 0.2 * std::sin(3 * angle)), size.z * beside);
+    const double turn = 5 * angle;
+    const glm::dvec3 towards(std::cos(turn), -0.15, std::sin(turn));
+    return {.camera = Camera::perspective(eye, eye + towards, {0, 1, 0}, std::numbers::pi_v<float> / 4),
+            .width = 640,
+            .height = 480,
+            .tolerance_px = 1};
+}
+
+Box bounds_of(const scenes::Scene& scene) {
+    Box box = Box::empty();
+    for (const auto& t : scene.groups.back().triangles) box.add(t.bounds());
+    for (const auto& p : scene.groups.back().placements) {
+        const glm::vec3 at(p.to_parent[3]);
+        box.add(Box{at, at + glm::vec3(0, 10, 0)});
+    }
+    return box;
+}
+
+template <class A>
+void frames(const char* name, const scenes::Scene& scene, bool wants_time, bool wants_error) {
+    using H = SpatialHierarchy<Octree, A, TriangleCount>;
+    const scenes::PlacedScene<H> placed(
+        scene, [](std::size_t) { return Octree{}; }, A{});
+    const auto viewer = placed.viewer({.samples = 1});
+    const Box bounds = bounds_of(scene);
+    std::vector<View> views;
+    for (int i = 0; i < 12; ++i) views.push_back(on_the_way(bounds, (i + 0.5) / 12, 0.03));
+    const FramePriceOptions options{.clock = now_ns};
+    const std::vector<MeasuredFrame> measured = viewer->measured(views, options);
+    const FramePrices prices = fitted_frame_prices(measured, options);
+    if (is_quick) {
+        for (const double p : prices.each.of) std::printf("%.3g ", p);
+        std::printf("ns, from %zu frames\n", measured.size());
+    }
+    const int count = is_quick ? 50 : 200;
+    if (wants_time) {
+        for (const double budget_ms : {5.0, 10.0, 20.0}) {
+            const FrameBudget budget{.prices = prices, .most = budget_ms * 1e6};
+            std::vector<double> ms;
+            viewer->frame(on_the_way(bounds, 0, 0), budget);
+            for (int i = 0; i < count; ++i) {
+                const double start = now_ns();
+                viewer->frame(on_the_way(bounds, double(i) / count, 0), budget);
+                ms.push_back((now_ns() - start) * 1e-6);
+            }
+            std::sort(ms.begin(), ms.end());
+            const auto above = [&](double limit) {
+                return double(ms.end() - std::upper_bound(ms.begin(), ms.end(), limit)) / count;
+            };
+            std::printf(
+                "| %s, %g ms | median %.2f, 95th %.2f, longest %.2f ms | above it %.1f %% (<= 5 wanted) | above 1.2 "
+                "times it %.1f %% (0 wanted) |\n",
+                name, budget_ms, ms[ms.size() / 2], ms[ms.size() * 95 / 100], ms.back(), 100 * above(budget_ms),
+                100 * above(1.2 * budget_ms));
+            std::fflush(stdout);
+        }
+    }
+    if (wants_error) {
+        int rises = 0;
+        std::string row;
+        for (int i = 0; i < 8; ++i) {
+            View view = on_the_way(bounds, (i + 0.3) / 8, 0);
+            view.tolerance_px = 0;
+            viewer->frame(view);
+            const Image exact = viewer->image();
+            double last = 2;
+            for (const double budget_ms : {1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0}) {
+                viewer->frame(view, {.prices = prices, .most = budget_ms * 1e6});
+                const double error = std::sqrt(mse(viewer->image(), exact));
+                rises += error > last;
+                last = error;
+                char text[16];
+                std::snprintf(text, sizeof text, " %.3f", error);
+                row += text;
+            }
+            row += ";";
+        }
+        std::printf("| %s, RMSE at 1, 2, 5, 10, 20, 40, 80 ms, 8 views |%s | it rises %d times (0 wanted) |\n", name,
+                    row.c_str(), rises);
+        std::fflush(stdout);
+    }
+}
+
+}  // namespace
+}  // namespace farfield::bench
+
+int main(int argc, char** argv) {
+    using namespace farfield;
+    using namespace farfield::bench;
+    bool wants_time = false, wants_error = false;
+    for (int i = 1; i < argc; ++i) {
+        if (std::strcmp(argv[i], "--quick") == 0) {
+            is_quick = true;
+        } else if (std::strcmp(argv[i], "time") == 0) {
+            wants_time = true;
+        } else if (std::strcmp(argv[i], "error") == 0) {
+            wants_error = true;
+        } else {
+            std::fprintf(stderr, "bench_budgets: no part %s; there are time error\n", argv[i]);
+            return 2;
+        }
+    }
+    if (!wants_time && !wants_error) wants_time = wants_error = true;
+    const scenes::Scene scene = scenes::island(is_quick ? 120 : 480);
+    frames<OpacityTensor>("opacity tensors", scene, wants_time, wants_error);
+    frames<ColorCube>("color cubes", scene, wants_time, wants_error);
+    frames<SampleSet<OpacityTensor>>("sample tree", scene, wants_time, wants_error);
+    frames<SampleSet<AreaSplat>>("sample tree, splats", scene, wants_time, wants_error);
+    return 0;
+}
