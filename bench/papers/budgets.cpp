@@ -36,16 +36,21 @@ double now_ns() {
     return double(t.tv_sec) * 1e9 + double(t.tv_nsec);
 }
 
-/// Across the island at the height of treetops, turning; `beside` moves the path, in parts of it.
+/// Around in the wood and through its middle, a little above the trees and among them, looking where it goes; `beside`
+/// moves the path, in parts of the island.
 View on_the_way(const Box& bounds, double at, double beside) {
     const glm::dvec3 size(bounds.size()), center(bounds.center());
-    const double angle = 2 * std::numbers::pi * at;
-    const glm::dvec3 eye = center +
-                           glm::dvec3(size.x * 0.42 * std::cos(angle), 0, size.z * 0.42 * std::sin(2 * angle)) +
-                           glm::dvec3(size.x * beside, size.y * (0.15 + 0.2 * std::sin(3 * angle)), size.z * beside);
-    const double turn = 5 * angle;
-    const glm::dvec3 towards(std::cos(turn), -0.15, std::sin(turn));
-    return {.camera = Camera::perspective(eye, eye + towards, {0, 1, 0}, std::numbers::pi_v<float> / 4),
+    const auto place = [&](double t) {
+        const double angle = 2 * std::numbers::pi * t;
+        return center + glm::dvec3(size.x * (0.36 * std::cos(angle) + beside),
+                                   size.y * (0.1 + 0.25 * std::sin(3 * angle)),
+                                   size.z * (0.36 * std::sin(2 * angle) - beside));
+    };
+    const glm::dvec3 eye = place(at), ahead = place(at + 0.02) - eye;
+    const glm::dvec3 inwards = center - eye;
+    const glm::dvec3 towards = ahead / glm::length(ahead) + inwards / (glm::length(inwards) + 1) * 0.7;
+    return {.camera = Camera::perspective(eye, eye + glm::dvec3(towards.x, -0.12, towards.z), {0, 1, 0},
+                                          std::numbers::pi_v<float> / 4),
             .width = 640,
             .height = 480,
             .tolerance_px = 1};

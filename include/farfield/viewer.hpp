@@ -150,7 +150,7 @@ class Viewer {
     /// viewer's own. Throws what frame() throws, and std::invalid_argument for a budget that is none.
     FrameStats frame(const View& view, const FrameBudget& budget, Refinement& refinement) {
         const LocalView local = outermost(view);
-        refinement.refine(hierarchy_, primitives_, local, budget);
+        refinement.refine(hierarchy_, primitives_, local, budget, queue_.splat_limit_px());
         begin(local, view);
         const AsTheyAre tint;
         detail::DrawNow<R> sink(renderer_, queue_, tint);
@@ -160,7 +160,7 @@ class Viewer {
     /// Selects it, into memory that both keep from frame to frame.
     void select(const View& view, const FrameBudget& budget, Refinement& refinement, Selection<H, P>& selection) {
         const LocalView local = outermost(view);
-        refinement.refine(hierarchy_, primitives_, local, budget);
+        refinement.refine(hierarchy_, primitives_, local, budget, queue_.splat_limit_px());
         selection.select(hierarchy_, primitives_, view, local, traversal_order<H, R>,
                          [&](detail::SelectionSink& sink, FrameStats& stats) {
                              descend_within(refinement, local, stats, sink, deposits(view));

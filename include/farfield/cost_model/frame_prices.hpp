@@ -43,7 +43,7 @@ struct FrameWork {
 /// The price of one of each kind, in any unit. The defaults are one machine's nanoseconds; measure_frame_prices()
 /// (tuning/measure_frame_prices.hpp) has this machine's.
 struct FramePrices {
-    FrameWork each{{20000, 1, 60, 150, 60, 4, 20, 6, 12, 2, 400}};
+    FrameWork each{{20000, 1, 100, 300, 150, 15, 40, 15, 30, 5, 1000}};
 
     double cost(const FrameWork& work) const {
         double sum = 0;

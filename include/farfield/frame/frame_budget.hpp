@@ -6,11 +6,14 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <limits>
 #include <span>
 #include <stdexcept>
@@ -20,10 +23,12 @@
 
 #include "farfield/approximation.hpp"
 #include "farfield/cost_model/frame_prices.hpp"
+#include "farfield/drawables.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/frame/descent.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/subtree.hpp"
+#include "farfield/geometry/length.hpp"
 #include "farfield/geometry/mixed.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/hierarchy/node.hpp"
@@ -54,31 +59,66 @@ struct Gain {
     static constexpr Gain infinite() {
         return {std::numeric_limits<float>::infinity(), std::numeric_limits<std::uint64_t>::max()};
     }
-    static constexpr Gain none() { return {-1, 0}; }
     friend bool operator<(const Gain& a, const Gain& b) {
         return a.value != b.value ? a.value < b.value : a.place < b.place;
     }
 };
 
-/// Pixels of the picture that a cell covers, about: a square as large as its largest side looks.
-inline float covered_px(const LocalView& view, const Subtree& subtree) {
-    const Cell& cell = subtree.cell;
-    const float side = view.pixels(cell.largest_side(), view.distance_to(cell));
+/// Pixels of the picture that a rectangle about the view's axis covers, from `lower` to `upper` in pixels from it.
+inline float seen_px(const LocalView& view, glm::vec2 lower, glm::vec2 upper) {
     const glm::vec2 whole(view.part.whole_width, view.part.whole_height);
-    if (subtree.crossed_planes == 0 || !(side < 2 * std::max(whole.x, whole.y))) {
-        return std::min(side, whole.x) * std::min(side, whole.y);
-    }
-    const glm::vec3 d = cell.bounds_center - view.eye;
-    const float depth = view.is_perspective ? glm::dot(d, view.forward) : 1.0f;
-    if (!(depth > 0)) return 0.5f * std::min(side, whole.x) * std::min(side, whole.y);
-    const glm::vec2 center =
-        glm::vec2(glm::dot(d, view.right), glm::dot(d, view.up)) * view.squeeze * (view.focal_px / depth) -
-        0.5f * whole * glm::vec2(view.whole_off_center);
-    const glm::vec2 lower = glm::max(center - 0.5f * side, -0.5f * whole);
-    const glm::vec2 upper = glm::min(center + 0.5f * side, 0.5f * whole);
-    const glm::vec2 size = glm::max(upper - lower, glm::vec2(0));
-    return size.x * size.y;
+    const glm::vec2 middle = 0.5f * whole * glm::vec2(view.whole_off_center);
+    const glm::vec2 size = glm::min(upper, middle + 0.5f * whole) - glm::max(lower, middle - 0.5f * whole);
+    return size.x > 0 && size.y > 0 ? size.x * size.y : 0.0f;
 }
+
+/// What boxes cover, flat ones too, about: as much as their silhouettes have from afar; of boxes that cross a side of
+/// the picture the part of their rectangle that lies in it.
+inline float covered_px(const LocalView& view, glm::vec3 center, glm::vec3 half, bool is_inside) {
+    const glm::vec3 d = center - view.eye;
+    const glm::vec2 whole(view.part.whole_width, view.part.whole_height);
+    const float distance = view.is_perspective ? std::max(length_of(d), length_of(half)) : 1.0f;
+    const glm::vec3 towards = glm::abs(view.is_perspective ? d / distance : view.forward);
+    const glm::vec2 scale = view.squeeze * (view.focal_px / distance);
+    const float silhouette = 4 * glm::dot(towards, glm::vec3(half.y * half.z, half.z * half.x, half.x * half.y));
+    const float px = std::min(silhouette * scale.x * scale.y, whole.x * whole.y);
+    if (is_inside || !(px > 0)) return px > 0 ? px : 0.0f;
+    glm::vec2 lower(std::numeric_limits<float>::max()), upper(std::numeric_limits<float>::lowest());
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        const glm::vec3 c = d + half * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+        const float depth = view.is_perspective ? glm::dot(c, view.forward) : 1.0f;
+        if (!(depth > 0)) return 0.5f * px;
+        const glm::vec2 at =
+            glm::vec2(glm::dot(c, view.right), glm::dot(c, view.up)) * view.squeeze * (view.focal_px / depth);
+        lower = glm::min(lower, at);
+        upper = glm::max(upper, at);
+    }
+    const float area = (upper.x - lower.x) * (upper.y - lower.y);
+    return area > 0 ? std::min(px, area) * (seen_px(view, lower, upper) / area) : 0.0f;
+}
+inline float covered_px(const LocalView& view, const Subtree& subtree) {
+    return covered_px(view, subtree.cell.bounds_center, subtree.cell.bounds_half, subtree.crossed_planes == 0);
+}
+
+/// Adds up what a stand-in covers that is drawn into it.
+struct CoverageSink {
+    const LocalView& view;
+    float& px;
+    float splat_limit_px = 0;
+
+    void operator()(const Face& face) const {
+        px += covered_px(view, 0.5f * (face.lower + face.upper), 0.5f * glm::abs(face.upper - face.lower), false);
+    }
+    void operator()(const Splat& splat) const {
+        const glm::vec3 d = splat.center - view.eye;
+        const float depth = view.is_perspective ? glm::dot(d, view.forward) : 1.0f;
+        if (!(depth > 0)) return;
+        const glm::vec2 scale = view.squeeze * (view.focal_px / depth);
+        const glm::vec2 at = glm::vec2(glm::dot(d, view.right), glm::dot(d, view.up)) * scale;
+        px += seen_px(view, at - 0.5f * splat.size * scale, at + 0.5f * splat.size * scale);
+    }
+    void operator()(OwnRun) const {}
+};
 
 /// The same view from inside an instance, as a descent makes it.
 template <class E, class I>
@@ -153,19 +193,58 @@ Gain gain_of_opening(const E& entered, const Subtree& subtree, const FramePrices
     return {px * std::min(error, whole) / float(std::max(price, 1e-6)), mixed(entered.path, subtree.node)};
 }
 
-/// The cut that is left when the budget is spent: cells are opened whose gain is above where refining ended. What was
-/// opened on the way down has no smaller gain than what is below it, or would not have been opened (see Refinement).
+/// Cells that were opened, by hashes of their places.
+class OpenedCells {
+  public:
+    void clear() {
+        for (const std::size_t at : used_) slots_[at] = 0;
+        used_.clear();
+    }
+    void add(std::uint64_t place) {
+        if (2 * (used_.size() + 1) > slots_.size()) grow();
+        put(place | 1);
+    }
+    bool has(std::uint64_t place) const {
+        if (slots_.empty()) return false;
+        for (std::size_t at = place >> shift_;; at = (at + 1) & (slots_.size() - 1)) {
+            if (slots_[at] == (place | 1)) return true;
+            if (slots_[at] == 0) return false;
+        }
+    }
+
+  private:
+    void put(std::uint64_t key) {
+        std::size_t at = key >> shift_;
+        while (slots_[at] != 0) at = (at + 1) & (slots_.size() - 1);
+        slots_[at] = key;
+        used_.push_back(at);
+    }
+    void grow() {
+        std::vector<std::uint64_t> keys;
+        for (const std::size_t at : used_) keys.push_back(slots_[at]);
+        const std::size_t size = std::max<std::size_t>(1024, 2 * slots_.size());
+        slots_.assign(size, 0);
+        shift_ = 64 - int(std::bit_width(size - 1));
+        used_.clear();
+        for (const std::uint64_t key : keys) put(key);
+    }
+
+    std::vector<std::uint64_t> slots_{};  ///< a power of two of them, at most half of them used; 0: free
+    std::vector<std::size_t> used_{};
+    int shift_ = 64;
+};
+
+/// The cut that a budget has paid for.
 struct WithinBudget {
     static constexpr bool is_limited = true;
-    Gain stop = Gain::infinite();
-    const FramePrices* prices = nullptr;
+    const OpenedCells* opened = nullptr;
 
     template <class V>
     bool opens(const V& v, const Subtree& subtree) const {
         using A = typename V::hierarchy_type::approximation_type;
         // What has no stand-in belongs to what was opened above it.
         if (A::facts.stands_in && !subtree.has_stand_in()) return true;
-        return stop < gain_of_opening(v, subtree, *prices, covered_px(v.view, subtree));
+        return opened->has(mixed(v.path, subtree.node));
     }
     template <class V>
     static bool may_stop_below(const V&, const Node& node) {
@@ -189,22 +268,26 @@ inline bool is_same_view(const LocalView& a, const LocalView& b) {
 /// Opens cells of one view, best first. A viewer's own: it keeps its memory from frame to frame, and what it has opened
 /// where a still view is refined further.
 ///
-/// A cell below one that was opened counts with no more gain than that one. So gains fall from step to step, and where
-/// refining ends is one number, by which a descent finds the same cut again, in the order that is drawn.
+/// In which order cells are opened does not depend on the budget, but for its prices: a larger one opens all that a
+/// smaller one does. Large stand-ins near the viewer cost more than what they are opened into, so that the way to a
+/// cheap picture may lead over dear ones: some steps are tried beyond the budget, and taken if one leads back into it.
 class Refinement {
   public:
     /// What the cut takes: at most `most` for each frame that went into it, unless the coarsest picture takes more,
     /// which is drawn all the same.
-    double spent() const { return cost_; }
+    double spent() const { return prices_.cost(work_); }
     /// The same in counts.
     const FrameWork& work() const { return work_; }
     /// All of the view is within its tolerance.
-    bool is_complete() const { return steps_.empty(); }
+    bool is_complete() const { return steps_.empty() && beyond_.empty(); }
 
-    /// For Viewer: opens cells of a view until the budget is spent. Throws std::invalid_argument for a budget or a
+    /// For Viewer: opens cells of a view until the budget is spent. Stand-ins are drawn by splats where the limit is
+    /// above 0. Throws std::invalid_argument for a budget or a
     /// price that is no number, or negative.
     template <class H, class P>
-    void refine(const H& hierarchy, std::span<const P> primitives, const LocalView& view, const FrameBudget& budget) {
+    void refine(const H& hierarchy, std::span<const P> primitives, const LocalView& view, const FrameBudget& budget,
+                float splat_limit_px) {
+        splat_limit_px_ = splat_limit_px;
         if (const char* why = budget.prices.wrong_option()) {
             detail::fail<std::invalid_argument>(std::string("farfield::") + why);
         }
@@ -221,7 +304,7 @@ class Refinement {
         open_best();
     }
     /// For Viewer: which cells a descent opens.
-    detail::WithinBudget cut() const { return {stop_, &prices_}; }
+    detail::WithinBudget cut() const { return {&opened_}; }
 
   private:
     /// A hierarchy that was entered.
@@ -240,6 +323,12 @@ class Refinement {
         float stand_ins, px;  ///< of the stand-in: what opening saves
         detail::Gain gain;
     };
+    /// A cell that was opened although the budget does not pay for it.
+    struct Tried {
+        std::uint64_t place;
+        FrameWork work;  ///< of the cut with it
+    };
+    static constexpr std::size_t most_tried = 512;
     struct Step {
         detail::Gain gain;
         std::uint32_t shown;  ///< index into shown_
@@ -257,7 +346,9 @@ class Refinement {
         contexts_.clear();
         shown_.clear();
         steps_.clear();
-        work_ = more_ = {};
+        beyond_.clear();
+        opened_.clear();
+        more_ = {};
         more_[FrameWork::frames] = 1;
         more_[FrameWork::pixels] = double(view.width) * double(view.height);
         enter(hierarchy, primitives, view, 0);
@@ -267,7 +358,6 @@ class Refinement {
             show(entered, 0, whole);
         }
         work_ = more_;
-        cost_ = prices_.cost(work_);
         add_steps(0, detail::Gain::infinite());
     }
 
@@ -279,33 +369,35 @@ class Refinement {
     }
 
     void open_best() {
-        stop_ = detail::Gain::none();
-        while (!steps_.empty()) {
+        for (std::size_t i = beyond_.size(); i-- > 0;) {
+            if (is_paid(beyond_[i].work)) {
+                take(i + 1);
+                break;
+            }
+        }
+        while (!steps_.empty() && beyond_.size() < most_tried) {
             const Step step = steps_.front();
-            if (cost_ >= most_) {
-                stop_ = step.gain;
-                return;
-            }
-            const std::size_t shown = shown_.size(), contexts = contexts_.size();
-            const Shown opened = shown_[step.shown];  // more of them may move it
-            more_ = {};
-            more_[FrameWork::openings] = 1;
-            more_[FrameWork::stand_ins] = -double(opened.stand_ins);
-            more_[FrameWork::stand_in_pixels] = -double(opened.px);
-            contexts_[opened.context].open(*this, opened.context, opened.subtree);
-            const double more = prices_.cost(more_);
-            if (cost_ + more > most_) {
-                shown_.erase(shown_.begin() + std::ptrdiff_t(shown), shown_.end());
-                contexts_.erase(contexts_.begin() + std::ptrdiff_t(contexts), contexts_.end());
-                stop_ = step.gain;
-                return;
-            }
-            cost_ += more;
-            work_ += more_;
             std::pop_heap(steps_.begin(), steps_.end());
             steps_.pop_back();
+            const std::size_t shown = shown_.size();
+            const Shown opened = shown_[step.shown];  // more of them may move it
+            const Context& in = contexts_[opened.context];
+            const std::uint64_t place = detail::mixed(in.path, opened.subtree.node);
+            more_ = beyond_.empty() ? work_ : beyond_.back().work;
+            more_[FrameWork::openings] += 1;
+            more_[FrameWork::stand_ins] -= double(opened.stand_ins);
+            more_[FrameWork::stand_in_pixels] -= double(opened.px);
+            in.open(*this, opened.context, opened.subtree);
             add_steps(shown, step.gain);
+            beyond_.push_back({place, more_});
+            if (is_paid(more_)) take(beyond_.size());
         }
+    }
+    bool is_paid(const FrameWork& work) const { return prices_.cost(work) <= most_; }
+    void take(std::size_t count) {
+        work_ = beyond_[count - 1].work;
+        for (std::size_t i = 0; i < count; ++i) opened_.add(beyond_[i].place);
+        beyond_.erase(beyond_.begin(), beyond_.begin() + std::ptrdiff_t(count));
     }
 
     template <class H, class P>
@@ -348,13 +440,20 @@ class Refinement {
             if (!subtree.has_stand_in()) return open(v, context, subtree);
             const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
             const auto& approximation = v.hierarchy.approximation_policy();
-            const FrameWork work = detail::work_of_drawing(approximation, data, px);
+            // What is large is what costs, and has to be known better.
+            float drawn_px = px;
+            if (px > 64) {
+                drawn_px = 0;
+                const detail::CoverageSink sink{v.view, drawn_px, splat_limit_px_};
+                detail::draw_stand_in(approximation, data, v.hierarchy.pool(), subtree.cell, v.view, sink);
+            }
+            const FrameWork work = detail::work_of_drawing(approximation, data, drawn_px);
             more_ += work;
             const float error = approximation.error_px(data, subtree.cell, v.view) *
                                 detail::error_of_replaced_levels(v.hierarchy.nodes()[subtree.node]);
             const bool is_good = v.view.tolerance_px > 0 && error <= v.view.tolerance_px;
             if (!is_good) {
-                shown_.push_back({subtree, context, float(work[FrameWork::stand_ins]), px,
+                shown_.push_back({subtree, context, float(work[FrameWork::stand_ins]), drawn_px,
                                   detail::gain_of_opening(v, subtree, prices_, px)});
             }
         } else {
@@ -394,9 +493,11 @@ class Refinement {
     }
 
     FramePrices prices_{};
-    double most_ = 0, cost_ = 0;
+    double most_ = 0;
+    float splat_limit_px_ = 0;
     FrameWork work_{}, more_{};  ///< more_: of the step that is made
-    detail::Gain stop_ = detail::Gain::infinite();
+    detail::OpenedCells opened_{};
+    std::vector<Tried> beyond_{};      ///< of steps after those that were taken
     std::vector<Context> contexts_{};  ///< the outermost first
     std::vector<Shown> shown_{};
     std::vector<Step> steps_{};  ///< a heap

@@ -43,11 +43,15 @@ struct MeasuredFrame {
 inline FramePrices fitted_frame_prices(std::span<const MeasuredFrame> frames, const FramePriceOptions& options = {}) {
     constexpr std::size_t kinds = FrameWork::kinds;
     FramePrices prices;
-    std::vector<std::array<double, kinds>> rows;  // work over time: the sum is to be 1
+    std::vector<std::array<double, kinds>> rows;  // work over time, which their sum is to be
+    std::vector<double> times;
     for (const MeasuredFrame& f : frames) {
         if (!(f.time > 0)) continue;
+        // Frames so short that they do not matter are not to decide.
+        const double weight = 1 / std::max(f.time, options.longest / 32);
         rows.push_back(f.work.of);
-        for (double& w : rows.back()) w /= f.time;
+        for (double& w : rows.back()) w *= weight;
+        times.push_back(f.time * weight);
     }
     if (rows.empty()) return prices;
     // Columns of the same length, so that steps are comparable.
@@ -61,7 +65,7 @@ inline FramePrices fitted_frame_prices(std::span<const MeasuredFrame> frames, co
     }
     std::vector<double> off(rows.size());  // by how much the sum differs
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        off[i] = -1;
+        off[i] = -times[i];
         for (std::size_t k = 0; k < kinds; ++k) off[i] += rows[i][k] * p[k];
     }
     // Coordinate by coordinate; a column has length 1. Where frames do not tell two kinds apart, what is left of the
@@ -77,7 +81,7 @@ inline FramePrices fitted_frame_prices(std::span<const MeasuredFrame> frames, co
         }
     }
     std::vector<double> taken_over_said(rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) taken_over_said[i] = 1 / std::max(1 + off[i], 1e-3);
+    for (std::size_t i = 0; i < rows.size(); ++i) taken_over_said[i] = times[i] / std::max(times[i] + off[i], 0.1);
     std::sort(taken_over_said.begin(), taken_over_said.end());
     const auto last = std::min(std::size_t(options.part_within * double(rows.size())), rows.size() - 1);
     const double raised = std::max(taken_over_said[last], taken_over_said.back() / 1.1);
@@ -95,19 +99,30 @@ std::vector<MeasuredFrame> measure_frames(Viewer_& viewer, std::span<const View>
                                           const FramePriceOptions& options = {}) {
     std::vector<MeasuredFrame> measured;
     Refinement refinement;
+    /// False if nothing finer is of interest.
+    const auto add = [&](const View& view, const FrameBudget& budget) {
+        MeasuredFrame frame;
+        for (int i = 0; i <= options.repetitions; ++i) {
+            const double start = options.clock();
+            viewer.frame(view, budget, refinement);
+            const double time = options.clock() - start;
+            if (i == 1 || time < frame.time) frame.time = time;  // buffers grow in the first
+            if (time > 4 * options.longest) return false;
+        }
+        frame.work = refinement.work();
+        measured.push_back(frame);
+        return frame.time <= options.longest && !refinement.is_complete();
+    };
+    FramePrices by_openings{{}};
+    by_openings.each[FrameWork::openings] = 1;
     for (const View& view : views) {
-        for (FrameBudget budget{.most = options.longest / 64};; budget.most *= 2) {
-            MeasuredFrame frame;
-            viewer.frame(view, budget, refinement);  // buffers grow
-            for (int i = 0; i < options.repetitions; ++i) {
-                const double start = options.clock();
-                viewer.frame(view, budget, refinement);
-                const double time = options.clock() - start;
-                if (i == 0 || time < frame.time) frame.time = time;
-            }
-            frame.work = refinement.work();
-            measured.push_back(frame);
-            if (frame.time > options.longest || refinement.is_complete() || budget.most > 1e12) break;
+        for (double openings = 0; add(view, {by_openings, openings}); openings = 4 + 2 * openings) {
+        }
+    }
+    // The cuts that such prices make are those that matter.
+    const FramePrices first = fitted_frame_prices(measured, options);
+    for (const View& view : views) {
+        for (double most = options.longest / 16; most <= options.longest && add(view, {first, most}); most *= 2) {
         }
     }
     return measured;
