@@ -273,8 +273,8 @@ inline bool is_same_view(const LocalView& a, const LocalView& b) {
 /// cheap picture may lead over dear ones: some steps are tried beyond the budget, and taken if one leads back into it.
 class Refinement {
   public:
-    /// What the cut takes: at most `most` for each frame that went into it, unless the coarsest picture takes more,
-    /// which is drawn all the same.
+    /// What the cut takes: at most `most` for each frame that went into it. Where that pays for no picture, the
+    /// cheapest one is drawn.
     double spent() const { return prices_.cost(work_); }
     /// The same in counts.
     const FrameWork& work() const { return work_; }
@@ -391,6 +391,13 @@ class Refinement {
             add_steps(shown, step.gain);
             beyond_.push_back({place, more_});
             if (is_paid(more_)) take(beyond_.size());
+        }
+        if (is_paid(work_)) return;
+        const auto cheapest = std::min_element(beyond_.begin(), beyond_.end(), [&](const Tried& a, const Tried& b) {
+            return prices_.cost(a.work) < prices_.cost(b.work);
+        });
+        if (cheapest != beyond_.end() && prices_.cost(cheapest->work) < spent()) {
+            take(std::size_t(cheapest - beyond_.begin()) + 1);
         }
     }
     bool is_paid(const FrameWork& work) const { return prices_.cost(work) <= most_; }

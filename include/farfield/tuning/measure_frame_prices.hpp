@@ -23,10 +23,11 @@ namespace farfield {
 
 struct FramePriceOptions {
     double longest = 40e6;  ///< nanoseconds; frames that take longer are not of interest
-    int repetitions = 3;    ///< of each frame; the shortest counts
+    int repetitions = 5;    ///< of each frame; the shortest counts
     /// Prices are raised until this part of the frames that were measured takes no more than it is said to, and until
-    /// none takes more than 1.1 times that.
-    double part_within = 0.98;
+    /// none takes more than `most_over` times that.
+    double part_within = 0.95;
+    double most_over = 1.2;
     double (*clock)() = [] {
         return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch()).count();
     };  ///< nanoseconds
@@ -49,7 +50,7 @@ inline FramePrices fitted_frame_prices(std::span<const MeasuredFrame> frames, co
         if (!(f.time > 0)) continue;
         // Frames so short that they do not matter are not to decide.
         const double weight = 1 / std::max(f.time, options.longest / 32);
-        rows.push_back(f.work.of);
+        rows.push_back(f.work.with_shown().of);
         for (double& w : rows.back()) w *= weight;
         times.push_back(f.time * weight);
     }
@@ -84,7 +85,7 @@ inline FramePrices fitted_frame_prices(std::span<const MeasuredFrame> frames, co
     for (std::size_t i = 0; i < rows.size(); ++i) taken_over_said[i] = times[i] / std::max(times[i] + off[i], 0.1);
     std::sort(taken_over_said.begin(), taken_over_said.end());
     const auto last = std::min(std::size_t(options.part_within * double(rows.size())), rows.size() - 1);
-    const double raised = std::max(taken_over_said[last], taken_over_said.back() / 1.1);
+    const double raised = std::max(taken_over_said[last], taken_over_said.back() / options.most_over);
     for (std::size_t k = 0; k < kinds; ++k) {
         if (length[k] > 0) prices.each.of[k] = p[k] / length[k];
         prices.each.of[k] *= raised;
