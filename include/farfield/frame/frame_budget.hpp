@@ -159,7 +159,8 @@ template <class A, class Data>
 FrameWork work_of_drawing(const A& approximation, const Data& data, float px) {
     const Work w = work_of_stand_in(approximation, data);
     FrameWork work;
-    work[FrameWork::stand_ins] = double(w.faces) + double(w.splats);
+    const double drawn = double(w.faces) + double(w.splats);
+    work[FrameWork::stand_ins] = std::isfinite(drawn) ? drawn : 1;  // of empty ones, which are kept for their samples
     work[FrameWork::stand_in_pixels] = double(px);
     return work;
 }
