@@ -117,7 +117,7 @@ std::vector<MeasuredFrame> measure_frames(Viewer_& viewer, std::span<const View>
     FramePrices by_openings{{}};
     by_openings.each[FrameWork::openings] = 1;
     for (const View& view : views) {
-        for (double openings = 0; add(view, {by_openings, openings}); openings = 4 + 2 * openings) {
+        for (double openings = 0; openings < 1e9 && add(view, {by_openings, openings}); openings = 4 + 2 * openings) {
         }
     }
     // The cuts that such prices make are those that matter.
