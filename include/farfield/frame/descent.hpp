@@ -26,6 +26,7 @@
 #include <type_traits>
 
 #include "farfield/composition.hpp"
+#include "farfield/frame/cell_tolerance.hpp"
 #include "farfield/frame/instance_stack.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/subtree.hpp"
@@ -237,7 +238,7 @@ class Descent {
         const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
         return v.hierarchy.approximation_policy().error_px(data, subtree.cell, v.view) *
                    error_of_replaced_levels(node) <=
-               v.view.tolerance_px;
+               cell_tolerance(v.view, v.path, subtree.node);
     }
 
     /// False only if no cell below can be drawn by its stand-in.

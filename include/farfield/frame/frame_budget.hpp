@@ -25,6 +25,7 @@
 #include "farfield/cost_model/frame_prices.hpp"
 #include "farfield/drawables.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/frame/cell_tolerance.hpp"
 #include "farfield/frame/descent.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/subtree.hpp"
@@ -259,9 +260,10 @@ inline bool is_same_view(const LocalView& a, const LocalView& b) {
     return a.eye == b.eye && a.right == b.right && a.up == b.up && a.forward == b.forward &&
            a.is_perspective == b.is_perspective && a.is_mirrored == b.is_mirrored && a.focal_px == b.focal_px &&
            a.squeeze == b.squeeze && a.whole_off_center == b.whole_off_center && a.near_depth == b.near_depth &&
-           a.far_depth == b.far_depth && a.tolerance_px == b.tolerance_px && a.distance == b.distance &&
-           a.width == b.width && a.height == b.height && a.part.left == b.part.left && a.part.top == b.part.top &&
-           a.part.whole_width == b.part.whole_width && a.part.whole_height == b.part.whole_height;
+           a.far_depth == b.far_depth && a.tolerance_px == b.tolerance_px && a.tolerance_jitter == b.tolerance_jitter &&
+           a.distance == b.distance && a.width == b.width && a.height == b.height && a.part.left == b.part.left &&
+           a.part.top == b.part.top && a.part.whole_width == b.part.whole_width &&
+           a.part.whole_height == b.part.whole_height;
 }
 
 }  // namespace detail
@@ -459,7 +461,8 @@ class Refinement {
             more_ += work;
             const float error = approximation.error_px(data, subtree.cell, v.view) *
                                 detail::error_of_replaced_levels(v.hierarchy.nodes()[subtree.node]);
-            const bool is_good = v.view.tolerance_px > 0 && error <= v.view.tolerance_px;
+            const bool is_good =
+                v.view.tolerance_px > 0 && error <= detail::cell_tolerance(v.view, v.path, subtree.node);
             if (!is_good) {
                 shown_.push_back({subtree, context, float(work[FrameWork::stand_ins]), drawn_px,
                                   detail::gain_of_opening(v, subtree, prices_, px)});

@@ -44,6 +44,7 @@ struct LocalView {
     float far_depth = std::numeric_limits<float>::infinity();  ///< local units
     float scale = 1;  ///< world units in one local unit of length: multiply depths by it to compare instances
     float tolerance_px = 1;
+    float tolerance_jitter = 0;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
@@ -91,6 +92,7 @@ struct LocalView {
           near_depth(view.camera.near_depth),
           far_depth(view.camera.far_depth),
           tolerance_px(view.tolerance_px),
+          tolerance_jitter(view.tolerance_jitter),
           distance(view.distance),
           width(view.width),
           height(view.height),
