@@ -150,9 +150,9 @@ void pops(const char* name, const std::vector<VertexColoredTriangle>& triangles)
     ZBufferRenderer renderer({.samples = 16}), exact_renderer({.samples = 16});
     auto viewer = make_viewer(h, triangles, renderer), exact = make_viewer(h, triangles, exact_renderer);
     const glm::dvec3 center(h.bounds().center()), size(h.bounds().size());
-    constexpr float jitters[] = {0, 0.5f, 0.75f};
-    Flicker flickers[3];
-    double stand_ins[3] = {};
+    constexpr float jitters[] = {0, 0.5f, 0, 0.3f}, fades[] = {0, 0, 0.5f, 0.5f};
+    Flicker flickers[4];
+    double stand_ins[4] = {};
     const int count = is_quick ? 300 : 600;
     for (int i = 0; i < count; ++i) {
         const double distance = 1.5 * glm::length(size) * std::pow(64, double(i) / count);
@@ -164,17 +164,19 @@ void pops(const char* name, const std::vector<VertexColoredTriangle>& triangles)
         exact.frame(view);
         view.tolerance_px = 2;
         const auto rect = projected_rect(Box{glm::vec3(center - 0.5 * size), glm::vec3(center + 0.5 * size)}, view);
-        for (int j = 0; j < 3; ++j) {
+        for (int j = 0; j < 4; ++j) {
             view.tolerance_jitter = jitters[j];
+            view.fade = fades[j];
             stand_ins[j] += double(viewer.frame(view).approximations) / count;
             flickers[j].add(renderer.image(), exact_renderer.image(), rect);
         }
     }
-    for (int j = 0; j < 3; ++j) {
+    for (int j = 0; j < 4; ++j) {
         std::printf(
-            "| %s, jitter %g | largest pop %.4f, %.2f of that of hard switches (<= 0.25 wanted) | flicker %.4f "
+            "| %s, jitter %g, fade %g | largest pop %.4f, %.2f of that of hard switches (<= 0.25 wanted) | flicker "
+            "%.4f "
             "| %.0f stand-ins |\n",
-            name, double(jitters[j]), flickers[j].largest_pop_rms(),
+            name, double(jitters[j]), double(fades[j]), flickers[j].largest_pop_rms(),
             flickers[j].largest_pop_rms() / flickers[0].largest_pop_rms(), flickers[j].rms(), stand_ins[j]);
         std::fflush(stdout);
     }

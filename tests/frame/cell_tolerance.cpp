@@ -93,3 +93,45 @@ TEST_CASE("budgets know a cell's own tolerance") {
     viewer.frame(view);
     CHECK(renderer.image() == within);
 }
+
+TEST_CASE("a fade changes pictures little from one frame to the next") {
+    const Triangles triangles = random_triangles(20000, 181, 0.02f);
+    const Cubes h = build<Cubes>(triangles);
+    ZBufferRenderer renderer({.samples = 16}), exact_renderer({.samples = 16});
+    auto viewer = make_viewer(h, triangles, renderer), exact = make_viewer(h, triangles, exact_renderer);
+    Selection<Cubes, Triangle> selection;
+    const auto largest_pop = [&](float fade) {
+        Flicker flicker;
+        for (int i = 0; i < 150; ++i) {
+            View view = jittered(40 * std::pow(6, i / 150.0), 0);
+            view.fade = fade;
+            viewer.frame(view);
+            const Image at_once = renderer.image();
+            viewer.select(view, selection);
+            viewer.draw(selection);
+            CHECK(renderer.image() == at_once);
+            view.tolerance_px = 0;
+            exact.frame(view);
+            flicker.add(renderer.image(), exact_renderer.image());
+        }
+        return flicker.largest_pop_rms();
+    };
+    CHECK(largest_pop(0.5f) < 0.6 * largest_pop(0));
+}
+
+TEST_CASE("parts of an opacity cover together what all of it does") {
+    for (const float opacity : {0.1f, 0.5f, 0.9f}) {
+        for (const float part : {0.2f, 0.5f, 0.7f}) {
+            using detail::part_of_opacity;
+            CHECK(part_of_opacity(opacity, part, AreaLaw::coherent) +
+                      part_of_opacity(opacity, 1 - part, AreaLaw::coherent) ==
+                  Approx(opacity));
+            const float left = (1 - part_of_opacity(opacity, part, AreaLaw::independent)) *
+                               (1 - part_of_opacity(opacity, 1 - part, AreaLaw::independent));
+            CHECK(left == Approx(1 - opacity));
+        }
+    }
+    View view = jittered(3, 0);
+    view.fade = 1.5f;
+    CHECK_THROWS_WITH(view.validate(), "farfield::View: fade must be 0 to 1");
+}

@@ -24,6 +24,7 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "farfield/composition.hpp"
 #include "farfield/frame/cell_tolerance.hpp"
@@ -162,7 +163,12 @@ class Descent {
         const Node& node = h.nodes()[subtree.node];
         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
             if (may_stand_in(v, subtree, node)) {
+                const float left = v.view.fade > 0 ? fading(v, subtree, node) : 0;
+                const float all = std::exchange(weight_, weight_ * (1 - left));
                 draw_stand_in(v, subtree);
+                weight_ = all * left;
+                if (left > 0) visit_contents(v, subtree, node, subtree.end_item - node.first_item, law, false);
+                weight_ = all;
                 return;
             }
         }
@@ -241,6 +247,18 @@ class Descent {
                cell_tolerance(v.view, v.path, subtree.node);
     }
 
+    /// How much of a cell that may stand in is what replaces it (View::fade).
+    template <class V>
+    static float fading(const V& v, const Subtree& subtree, const Node& node) {
+        // What is drawn by primitives alone comes at once.
+        if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return 0;
+        const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
+        const float error =
+            v.hierarchy.approximation_policy().error_px(data, subtree.cell, v.view) * error_of_replaced_levels(node);
+        const float tolerance = cell_tolerance(v.view, v.path, subtree.node), first = tolerance * (1 - v.view.fade);
+        return error > first ? std::min((error - first) / (tolerance - first), 1.0f) : 0.0f;
+    }
+
     /// False only if no cell below can be drawn by its stand-in.
     template <class V>
     static bool may_stand_in_below(const V& v, const Subtree& subtree, const Node& node) {
@@ -279,7 +297,11 @@ class Descent {
         ++stats_.approximations;
         ++stats_.approximations_by_level[std::min<int>(subtree.cell.depth, FrameStats::max_levels - 1)];
         stats_.touched_bytes += sizeof(typename V::hierarchy_type::stand_in_data);
-        sink_.stand_in(v, subtree);
+        if constexpr (requires { sink_.stand_in(v, subtree, weight_); }) {
+            sink_.stand_in(v, subtree, weight_);
+        } else {
+            sink_.stand_in(v, subtree);
+        }
     }
 
     /// Draws a subtree as one run, less what lies beyond a tile's borders. A run with a law is short, and its order
@@ -372,6 +394,7 @@ class Descent {
 
     template <class V>
     void add_run(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
+        if (weight_ < 0.5f) return;
         if constexpr (V::hierarchy_type::assignment == Assignment::shared) {
             std::uint32_t begin = first;
             for (std::uint32_t at = first; at < end; ++at) {
@@ -389,6 +412,7 @@ class Descent {
     FrameStats& stats_;
     Sink& sink_;
     bool deposits_;
+    float weight_ = 1;  ///< of what is drawn: less where something else fades away or comes
     Cut cut_;
 };
 

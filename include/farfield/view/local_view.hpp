@@ -45,6 +45,7 @@ struct LocalView {
     float scale = 1;  ///< world units in one local unit of length: multiply depths by it to compare instances
     float tolerance_px = 1;
     float tolerance_jitter = 0;
+    float fade = 0;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
@@ -93,6 +94,7 @@ struct LocalView {
           far_depth(view.camera.far_depth),
           tolerance_px(view.tolerance_px),
           tolerance_jitter(view.tolerance_jitter),
+          fade(view.fade),
           distance(view.distance),
           width(view.width),
           height(view.height),
