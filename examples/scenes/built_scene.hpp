@@ -3,7 +3,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
+#include <vector>
 
+#include "farfield/frame/frame_budget.hpp"
+#include "farfield/tuning/measure_frame_prices.hpp"
 #include "farfield/view.hpp"
 #include "scenes/renderers/any_renderer.hpp"
 
@@ -24,6 +28,10 @@ class SceneViewer {
   public:
     virtual ~SceneViewer() = default;
     virtual FrameStats frame(const View& view) = 0;
+    /// The best that a budget pays for. Throws std::invalid_argument where several threads draw.
+    virtual FrameStats frame(const View& view, const FrameBudget& budget) = 0;
+    /// Draws these views coarser and finer, to learn what frames like them cost. Throws as that does.
+    virtual std::vector<MeasuredFrame> measured(std::span<const View> views, const FramePriceOptions& options) = 0;
     /// What frame() draws, geometry in gray and stand-ins, if there are any, tinted by level; premultiplied, coverage
     /// in alpha.
     virtual Image how_drawn(const View& view) {

@@ -36,6 +36,7 @@ Json json_of(const Result& r, const Options& options) {
     return {{"name", r.name},
             {"renderer", name_of(r.renderer)},
             {"tolerance_px", r.choice ? r.choice->trial.tolerance_px : options.tolerance_px},
+            {"budget_ms", options.budget_ms ? Json(*options.budget_ms) : Json(nullptr)},
             {"error_table", json_of(r.table)},
             {"build_seconds", r.build.seconds},
             {"hierarchy_bytes", r.build.bytes},

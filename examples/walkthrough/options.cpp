@@ -142,6 +142,12 @@ void check_numbers(const Options& options) {
         throw UsageError("--distance must be above 0 and at most 1000000 radii");
     }
     if (!std::isfinite(options.angle_degrees)) throw UsageError("--angle must be a finite number of degrees");
+    if (options.budget_ms) {
+        if (!(*options.budget_ms > 0 && *options.budget_ms <= 1e6)) {
+            throw UsageError("--budget-ms must be above 0 and at most 1000000");
+        }
+        if (options.threads != 1) throw UsageError("--budget-ms is kept by one thread: leave --threads out");
+    }
     if (!(options.tolerance_px >= 0) || !std::isfinite(options.tolerance_px)) {
         throw UsageError("--tolerance must be 0 or more pixels");
     }
@@ -182,7 +188,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         app.add_option("--tolerance", options.tolerance_px, "error in pixels that stand-ins may have; chooses nothing")
             ->type_name("PX");
     const auto* const budget_option =
-        app.add_option("--budget-ms", budget_ms, "not available yet: time that a frame may take")->type_name("MS");
+        app.add_option("--budget-ms", budget_ms,
+                       "time that a frame may take; it is drawn as well as that allows, to --tolerance at best")
+            ->type_name("MS");
     app.add_option("--out", out, "write pictures of up to 8 frames here")->type_name("DIR");
     app.add_option("--json", json, "write the table here")->type_name("FILE");
     app.add_flag("--list", wants_list, "show scenes, variants and renderers");
@@ -198,7 +206,6 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         answer = list();
         return std::nullopt;
     }
-    if (budget_option->count() != 0) throw UsageError("--budget-ms is not available yet");
     options.renderer = parse_renderer(renderer);
     options.variants = parse_variants(variant_names, options.renderer);
     options.error = parse_error(wanted_error);
@@ -207,6 +214,13 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
             throw UsageError("--tolerance says what --error would choose: give one of them");
         }
         options.error.reset();
+    }
+    if (budget_option->count() != 0) {
+        if (error_option->count() != 0 && options.error) {
+            throw UsageError("--budget-ms and --error both choose what is drawn: give one of them");
+        }
+        options.error.reset();
+        options.budget_ms = budget_ms;
     }
     if (!size.empty()) parse_size(size, options);
     if (distance_option->count() != 0) options.distance = distance;

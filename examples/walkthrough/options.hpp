@@ -31,6 +31,7 @@ struct Options {
     /// What each variant's tolerance is chosen by. None: all have `tolerance_px`.
     std::optional<farfield::WantedError> error = farfield::WantedError{};
     float tolerance_px = 1;
+    std::optional<double> budget_ms;  ///< that a frame of a variant may take; exact's may take any
     std::optional<std::filesystem::path> out_directory;
     std::optional<std::filesystem::path> json_file;
 };

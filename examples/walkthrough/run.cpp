@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -118,6 +119,8 @@ class Run {
         if (draws_exact) own.reset();  // it holds a copy of all triangles
         SceneViewer& viewer = draws_exact ? *exact_viewer_ : *own;
         result.renderer = draws_exact ? exact_renderer_ : options_.renderer;
+        std::optional<farfield::FrameBudget> budget;
+        if (options_.budget_ms) budget = budget_of(viewer, variant, tolerance_px);
         progress_.begin("drawing " + result.name, options_.frames);
         auto compared = references_.begin();
         for (int frame = 0; frame < options_.frames; ++frame) {
@@ -126,7 +129,7 @@ class Run {
             if (exact_is_slow_ && draws_exact && !is_compared) continue;
             FrameStats stats;
             if (!exact_is_slow_) result.exact_ms.push_back(timed(*exact_viewer_, view_of(frame, 0), stats));
-            result.frame_ms.push_back(timed(viewer, view_of(frame, tolerance_px, variant.distance), stats));
+            result.frame_ms.push_back(timed(viewer, view_of(frame, tolerance_px, variant.distance), stats, budget));
             if (!exact_is_slow_ || is_compared) result.paired_ms.push_back(result.frame_ms.back());
             if (exact_is_slow_ && is_compared)
                 result.exact_ms.push_back(exact_frames_[std::size_t(compared - references_.begin())].ms);
@@ -226,9 +229,25 @@ class Run {
         result.exact_compared_ms = trials.exact_ms();
     }
 
-    static double timed(SceneViewer& viewer, const View& view, FrameStats& stats) {
+    /// What frames cost is measured on twelve of the flight, before it begins.
+    farfield::FrameBudget budget_of(SceneViewer& viewer, const Variant& variant, float tolerance_px) {
+        progress_.begin("measuring what frames of " + std::string(variant.name) + " cost");
+        std::vector<View> views;
+        const int count = std::min(options_.frames, 12);
+        for (int i = 0; i < count; ++i) {
+            views.push_back(view_of(int((2 * std::int64_t(i) + 1) * options_.frames / (2 * count)), tolerance_px,
+                                    variant.distance));
+        }
+        const farfield::FramePriceOptions prices{.longest = 2e6 * *options_.budget_ms};
+        return {.prices = farfield::fitted_frame_prices(viewer.measured(views, prices), prices),
+                .most = 1e6 * *options_.budget_ms,
+                .refines_still_views = true};
+    }
+
+    static double timed(SceneViewer& viewer, const View& view, FrameStats& stats,
+                        const std::optional<farfield::FrameBudget>& budget = std::nullopt) {
         const auto begin = std::chrono::steady_clock::now();
-        stats = viewer.frame(view);
+        stats = budget ? viewer.frame(view, *budget) : viewer.frame(view);
         return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     }
 

@@ -130,6 +130,7 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
         << options.width << "x" << options.height << " pixels, " << options.samples << " samples each by "
         << name_of(options.renderer) << ", " << options.frames << " frames";
     if (!options.error) out << ", " << options.tolerance_px << " px tolerance";
+    if (options.budget_ms) out << ", at most " << *options.budget_ms << " ms a frame";
     out << "\n\n";
     print(out, rows);
     out << "\nTimes are medians on "
@@ -145,6 +146,14 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
         out << "Cells are those of the coverage pyramid that tiling polygons, and asking whether cells of the "
                "hierarchy "
                "are\nhidden, visits for a pixel.\n";
+    }
+    for (const Result& r : results) {
+        if (!options.budget_ms || &r == &results.front()) continue;
+        const auto above = [&](double limit) {
+            return std::count_if(r.frame_ms.begin(), r.frame_ms.end(), [&](double ms) { return ms > limit; });
+        };
+        out << "Of " << r.frame_ms.size() << " frames of " << r.name << ", " << above(*options.budget_ms)
+            << " took longer than the budget, " << above(1.2 * *options.budget_ms) << " longer than 1.2 times it.\n";
     }
     for (const Result& r : results) {
         if (r.build.cells_over_piece_budget == 0) continue;

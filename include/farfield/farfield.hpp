@@ -18,6 +18,7 @@
 #include "farfield/coverage/pixels/cosine_hump_filter.hpp"
 #include "farfield/executor.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/frame/frame_budget.hpp"
 #include "farfield/measure/coverage_error.hpp"
 #include "farfield/measure/flicker.hpp"
 #include "farfield/measure/flip.hpp"

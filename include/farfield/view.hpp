@@ -34,6 +34,13 @@ struct View {
     int height = 512;
     /// A stand-in is drawn where its error is at most this many pixels; 0 draws every primitive exactly.
     float tolerance_px = 1;
+    /// 0 to 1: each cell's own tolerance is smaller by up to this part, chosen by a hash of its place. Cells of a level
+    /// then change one by one, over a range of distances, and not all in one frame. 0: all have the same.
+    float tolerance_jitter = 0;
+    /// 0 to 1: where a stand-in's error is within this part of its tolerance, what replaces it is drawn as well, both
+    /// fainter, so that one becomes the other over a range of distances. Primitives are not drawn faintly: they come
+    /// and go in the middle. 0: stand-ins are drawn, or not.
+    float fade = 0;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     /// Set by tile(): the camera then shows the larger picture, and this is a part of it.
     PartOfPicture part{};
@@ -58,6 +65,8 @@ struct View {
         demand(width >= 1, "width must be 1 or more");
         demand(height >= 1, "height must be 1 or more");
         demand(tolerance_px >= 0 && std::isfinite(tolerance_px), "tolerance_px must be 0 or more and finite");
+        demand(tolerance_jitter >= 0 && tolerance_jitter <= 1, "tolerance_jitter must be 0 to 1");
+        demand(fade >= 0 && fade <= 1, "fade must be 0 to 1");
         demand(distance == DistanceMeasure::nearest_point || distance == DistanceMeasure::depth,
                "distance must be nearest_point or depth");
         demand(!wanted.rmse || *wanted.rmse >= 0, "a wanted error must be 0 or more");

@@ -21,6 +21,7 @@
 #include "farfield/frame/descent.hpp"
 #include "farfield/frame/draw_now.hpp"
 #include "farfield/frame/draw_queue.hpp"
+#include "farfield/frame/frame_budget.hpp"
 #include "farfield/frame/image_chooser.hpp"
 #include "farfield/frame/image_maker.hpp"
 #include "farfield/frame/instance_stack.hpp"
@@ -145,6 +146,27 @@ class Viewer {
                          });
     }
 
+    /// Draws the best that a budget pays for, without images; see frame/frame_budget.hpp. The refinement is this
+    /// viewer's own. Throws what frame() throws, and std::invalid_argument for a budget that is none.
+    FrameStats frame(const View& view, const FrameBudget& budget, Refinement& refinement) {
+        const LocalView local = outermost(view);
+        refinement.refine(hierarchy_, primitives_, local, budget, queue_.splat_limit_px());
+        begin(local, view);
+        const AsTheyAre tint;
+        detail::DrawNow<R> sink(renderer_, queue_, tint);
+        descend_within(refinement, local, stats_, sink, deposits_);
+        return end();
+    }
+    /// Selects it, into memory that both keep from frame to frame.
+    void select(const View& view, const FrameBudget& budget, Refinement& refinement, Selection<H, P>& selection) {
+        const LocalView local = outermost(view);
+        refinement.refine(hierarchy_, primitives_, local, budget, queue_.splat_limit_px());
+        selection.select(hierarchy_, primitives_, view, local, traversal_order<H, R>,
+                         [&](detail::SelectionSink& sink, FrameStats& stats) {
+                             descend_within(refinement, local, stats, sink, deposits(view));
+                         });
+    }
+
     /// Draws a selection, which may be another viewer's, with another renderer, over the same hierarchy and primitives;
     /// every stand-in in the color that tint(Subtree) gives, if there is one. Throws std::invalid_argument if it is
     /// over others, or in an order that this renderer does not take, and what frame() throws.
@@ -175,6 +197,19 @@ class Viewer {
     LocalView outermost(const View& view) const {
         const bool has_splats = R::facts.draws_splats && sources_.have_stand_ins();
         return LocalView(view, hierarchy_.origin(), hierarchy_.bounds(), has_splats ? view.tolerance_px : 0.0f);
+    }
+
+    template <class Sink>
+    void descend_within(const Refinement& refinement, const LocalView& local, FrameStats& stats, Sink& sink,
+                        bool deposits) {
+        if (refinement.is_complete()) {
+            detail::Descent<R, Sink> descent(sources_, instances_, stats, sink, deposits);
+            descent.enter(hierarchy_, primitives_, local, 0);
+        } else {
+            using Cut = detail::WithinBudget;
+            detail::Descent<R, Sink, Cut> descent(sources_, instances_, stats, sink, deposits, refinement.cut());
+            descent.enter(hierarchy_, primitives_, local, 0);
+        }
     }
 
     void begin(const LocalView& local, const View& view) {

@@ -25,8 +25,10 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "farfield/composition.hpp"
+#include "farfield/frame/cell_tolerance.hpp"
 #include "farfield/frame/instance_stack.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/subtree.hpp"
@@ -69,6 +71,11 @@ inline constexpr bool asks_for_images = requires {
 }
 &&H::approximation_type::facts.caches_images;
 
+/// A cut that the view's tolerance decides alone.
+struct WithinTolerance {
+    static constexpr bool is_limited = false;
+};
+
 /// Sink is told, in order:
 ///
 ///     enter(entered), leave(entered)                what lies between is in that hierarchy's coordinates
@@ -83,12 +90,16 @@ inline constexpr bool asks_for_images = requires {
 ///     end_cell(entered, subtree)                    after its contents, unless it was drawn by its image
 ///
 /// R is the renderer that it is chosen for. All but the sink is a viewer's own and lives from frame to frame.
-template <class R, class Sink>
+///
+/// A limited Cut (frame/frame_budget.hpp) says of each cell beyond the tolerance whether it is opened: opens(entered,
+/// subtree). Where it is not, its stand-in is drawn, or nothing if it has none.
+template <class R, class Sink, class Cut = WithinTolerance>
 class Descent {
   public:
     /// `deposits`: in this frame runs carry their cells' laws, where they are known.
-    Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits)
-        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits) {
+    Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits,
+            const Cut& cut = {})
+        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits), cut_(cut) {
         instances_.resize(0);  // an exception may have ended the last one
     }
 
@@ -154,10 +165,23 @@ class Descent {
         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
             if (may_stand_in(v, subtree, node)) {
                 if (keeps_wanted_error(v, subtree, node)) {
+                    const float left = v.view.fade > 0 ? fading(v, subtree, node) : 0;
+                    const float all = std::exchange(weight_, weight_ * (1 - left));
                     draw_stand_in(v, subtree);
+                    weight_ = all * left;
+                    if (left > 0) visit_contents(v, subtree, node, subtree.end_item - node.first_item, law, false);
+                    weight_ = all;
                     return;
                 }
                 ++stats_.cells_too_coarse;
+            }
+        }
+        if constexpr (Cut::is_limited) {
+            if (!cut_.opens(v, subtree)) {
+                if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
+                    if (subtree.has_stand_in()) draw_stand_in(v, subtree);
+                }
+                return;
             }
         }
         const std::uint32_t items = subtree.end_item - node.first_item;
@@ -231,7 +255,19 @@ class Descent {
         const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
         return v.hierarchy.approximation_policy().error_px(data, subtree.cell, v.view) *
                    error_of_replaced_levels(node) <=
-               v.view.tolerance_px;
+               cell_tolerance(v.view, v.path, subtree.node);
+    }
+
+    /// How much of a cell that may stand in is what replaces it (View::fade).
+    template <class V>
+    static float fading(const V& v, const Subtree& subtree, const Node& node) {
+        // What is drawn by primitives alone comes at once.
+        if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return 0;
+        const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
+        const float error =
+            v.hierarchy.approximation_policy().error_px(data, subtree.cell, v.view) * error_of_replaced_levels(node);
+        const float tolerance = cell_tolerance(v.view, v.path, subtree.node), first = tolerance * (1 - v.view.fade);
+        return error > first ? std::min((error - first) / (tolerance - first), 1.0f) : 0.0f;
     }
 
     /// Where nothing is known of errors, whatever the tolerance allows is good.
@@ -289,6 +325,7 @@ class Descent {
     static bool may_stand_in_below(const V& v, const Subtree& subtree, const Node& node) {
         using H = typename V::hierarchy_type;
         using A = typename H::approximation_type;
+        if constexpr (Cut::is_limited) return Cut::may_stop_below(v, node);
         // Level 0 is the node itself, whose stand-in was asked first.
         if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return false;
         if constexpr (A::facts.bounds_error && H::partition_type::facts.children_are_octants) {
@@ -321,7 +358,11 @@ class Descent {
         ++stats_.approximations;
         ++stats_.approximations_by_level[std::min<int>(subtree.cell.depth, FrameStats::max_levels - 1)];
         stats_.touched_bytes += sizeof(typename V::hierarchy_type::stand_in_data);
-        sink_.stand_in(v, subtree);
+        if constexpr (requires { sink_.stand_in(v, subtree, weight_); }) {
+            sink_.stand_in(v, subtree, weight_);
+        } else {
+            sink_.stand_in(v, subtree);
+        }
     }
 
     /// Draws a subtree as one run, less what lies beyond a tile's borders. A run with a law is short, and its order
@@ -414,6 +455,7 @@ class Descent {
 
     template <class V>
     void add_run(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
+        if (weight_ < 0.5f) return;
         if constexpr (V::hierarchy_type::assignment == Assignment::shared) {
             std::uint32_t begin = first;
             for (std::uint32_t at = first; at < end; ++at) {
@@ -431,6 +473,8 @@ class Descent {
     FrameStats& stats_;
     Sink& sink_;
     bool deposits_;
+    float weight_ = 1;  ///< of what is drawn: less where something else fades away or comes
+    Cut cut_;
 };
 
 }  // namespace detail

@@ -4,6 +4,7 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -25,6 +26,12 @@ namespace farfield {
 struct AsTheyAre {};
 
 namespace detail {
+
+/// The opacity of a part of something, so that parts that add up to 1 cover as much as all of it: areas of a surface
+/// add up, independent ones hide one another.
+inline float part_of_opacity(float opacity, float part, AreaLaw law) {
+    return law == AreaLaw::coherent ? opacity * part : 1 - std::pow(1 - std::min(opacity, 0.98f), part);
+}
 
 /// Borrows queue and renderer. `Tint` is AsTheyAre, or something called with a Subtree that gives the color, not
 /// premultiplied, which its stand-in is drawn in; opacity stays.
@@ -54,16 +61,16 @@ class DrawNow {
         queue_.add_run(v.source, first, end, law);
     }
     template <class V>
-    void stand_in(const V& v, const Subtree& subtree) {
+    void stand_in(const V& v, const Subtree& subtree, float weight = 1) {
         const auto& h = v.hierarchy;
         using A = typename V::hierarchy_type::approximation_type;
         if constexpr (DrawsPlaced<A> && std::is_same_v<Tint, AsTheyAre>) {
-            if (queue_.splat_limit_px() > 0) {
+            if (queue_.splat_limit_px() > 0 && weight == 1) {
                 const auto& data = h.stand_ins()[subtree.stand_in];
                 return queue_.add_placed(v.source, v.view, h.approximation_policy(), data, subtree.cell);
             }
         }
-        const StandInSink<V> sink{*this, v, subtree, queue_.splat_limit_px()};
+        const StandInSink<V> sink{*this, v, subtree, queue_.splat_limit_px(), weight};
         draw_stand_in(h.approximation_policy(), h.stand_ins()[subtree.stand_in], h.pool(), subtree.cell, v.view, sink);
     }
     template <class V>
@@ -80,6 +87,7 @@ class DrawNow {
         const V& v;
         const Subtree& subtree;
         float splat_limit_px;
+        float weight;
 
         void operator()(Face face) const {
             if constexpr (!std::is_same_v<Tint, AsTheyAre>) {
@@ -89,6 +97,10 @@ class DrawNow {
                 };
                 face.rgba = {premultiplied(c.r), premultiplied(c.g), premultiplied(c.b), face.rgba.a};
             }
+            if (weight != 1) {
+                const auto fainter = [&](std::uint8_t channel) { return std::uint8_t(float(channel) * weight + 0.5f); };
+                face.rgba = {fainter(face.rgba.r), fainter(face.rgba.g), fainter(face.rgba.b), fainter(face.rgba.a)};
+            }
             to.queue_.add(v.source, face);
         }
         void operator()(Splat splat) const {
@@ -96,12 +108,13 @@ class DrawNow {
                 const Rgba8 c = to.tint_(subtree);
                 splat.rgb = {c.r, c.g, c.b, splat.rgb.a};  // alpha is the law
             }
+            if (weight != 1) splat.opacity = part_of_opacity(splat.opacity, weight, AreaLaw(splat.rgb.a));
             to.queue_.add(v.source, splat);
         }
         void operator()(OwnRun run) const {
             const std::uint32_t first = v.hierarchy.nodes()[subtree.node].first_item;
             const std::uint32_t end = first + std::min(run.count, subtree.end_item - first);
-            to.queue_.add_run(v.source, first, end, std::nullopt);
+            if (weight > 0.5f) to.queue_.add_run(v.source, first, end, std::nullopt);
         }
     };
 
@@ -130,7 +143,8 @@ struct DrawSelected {
             case Selected::Kind::run:
                 return sink.run(entered, s.subtree, s.first, s.end, deposits ? s.law : std::nullopt);
             case Selected::Kind::stand_in:
-                if constexpr (E::hierarchy_type::approximation_type::facts.stands_in) sink.stand_in(entered, s.subtree);
+                if constexpr (E::hierarchy_type::approximation_type::facts.stands_in)
+                    sink.stand_in(entered, s.subtree, s.weight);
                 return;
             case Selected::Kind::instance:
                 return sink.enter_instance(entered, s.first);

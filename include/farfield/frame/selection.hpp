@@ -37,6 +37,7 @@ struct Selected {
     std::uint32_t view = 0;  ///< in whose coordinates, an index into views(); of an instance those of what it holds
     std::uint32_t first = 0, end = 0;
     Subtree subtree{};  ///< of its hierarchy; an instance's is not set
+    float weight = 1;   ///< of a stand-in: less where it fades (View::fade)
 };
 
 namespace detail {
@@ -83,8 +84,9 @@ class SelectionSink {
         entries_.push_back({Selected::Kind::run, law, current_view(), first, end, subtree});
     }
     template <class V>
-    void stand_in(const V&, const Subtree& subtree) {
-        entries_.push_back({.kind = Selected::Kind::stand_in, .view = current_view(), .subtree = subtree});
+    void stand_in(const V&, const Subtree& subtree, float weight) {
+        entries_.push_back(
+            {.kind = Selected::Kind::stand_in, .view = current_view(), .subtree = subtree, .weight = weight});
     }
     template <class V>
     bool hidden(const V&, const Subtree&) const {

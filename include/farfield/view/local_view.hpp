@@ -46,6 +46,8 @@ struct LocalView {
     float scale = 1;  ///< world units in one local unit of length: multiply depths by it to compare instances
     float tolerance_px = 1;
     WantedError wanted = WantedError::any();
+    float tolerance_jitter = 0;
+    float fade = 0;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
@@ -94,6 +96,8 @@ struct LocalView {
           far_depth(view.camera.far_depth),
           tolerance_px(view.tolerance_px),
           wanted(view.wanted),
+          tolerance_jitter(view.tolerance_jitter),
+          fade(view.fade),
           distance(view.distance),
           width(view.width),
           height(view.height),
