@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "scenes/catalog.hpp"
+#include "scenes/generate/island.hpp"
 #include "variants.hpp"
 
 namespace walkthrough {
@@ -167,7 +168,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         ->type_name("N");
     app.add_option("--threads", options.threads, "that draw a frame, in bands of its rows (default 1)")->type_name("N");
     app.add_option("--size", size, "of the images in pixels (default 640x360)")->type_name("WxH");
-    app.add_option("--frames", options.frames, "how many (default 48 on a flight, 21 from one place)")->type_name("N");
+    app.add_option("--frames", options.frames, "how many (default 48 on a flight, 1200 over shade-island, 21 from one place)")->type_name("N");
     const auto* const distance_option =
         app.add_option("--distance", distance, "look at the scene's center from D times its radius; else fly through")
             ->type_name("D");
@@ -211,7 +212,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     if (!size.empty()) parse_size(size, options);
     if (distance_option->count() != 0) options.distance = distance;
     if (app.get_option("--frames")->count() == 0) {
-        options.frames = options.distance ? frames_of_a_fixed_view : frames_of_a_flight;
+        options.frames = options.distance                  ? frames_of_a_fixed_view
+                         : options.scene == "shade-island" ? farfield::scenes::frames_of_island_walk
+                                                           : frames_of_a_flight;
     }
     if (!out.empty()) options.out_directory = out;
     if (!json.empty()) options.json_file = json;

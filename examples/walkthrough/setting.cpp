@@ -9,6 +9,7 @@
 
 #include "options.hpp"
 #include "scenes/catalog.hpp"
+#include "scenes/generate/island.hpp"
 #include "scenes/generate/quadrupled_forest.hpp"
 #include "scenes/load/load.hpp"
 
@@ -64,6 +65,11 @@ Setting make_setting(const std::string& asked) {
     if (outdoors) setting.background = {{126, 173, 224, 255}, {222, 236, 247, 255}};
     if (generated && asked == "quadrupled-forest") {
         setting.descent = {farfield::scenes::aerial({}), farfield::scenes::eye_level({})};
+    }
+    if (generated && asked == "shade-island") {
+        setting.path = [](int frames) {
+            return farfield::scenes::walk_over_island(farfield::scenes::shade_island, frames);
+        };
     }
     setting.culls_back_faces = setting.scene.is_closed || (generated && asked == "molecule");
     return setting;
