@@ -1,5 +1,4 @@
-// A renderer of your own that keeps images (ImageCache): it draws triangles as dots, and images as their pixels in
-// space.
+// A renderer of your own that keeps images (ImageCache). It draws dots: triangles as one, images as many.
 #include <iostream>
 
 #include "farfield/farfield.hpp"
@@ -37,12 +36,10 @@ struct Dots {
     }
     void plot(glm::vec3 p, Rgba8 color) {
         const glm::vec3 d = p - view.eye, in_view(glm::dot(d, view.right), -glm::dot(d, view.up), view.depth(p));
-        const glm::vec2 size(view.width, view.height),
-            axis = size * (1.0f + glm::vec2(view.off_center) * glm::vec2(-1, 1));
-        const glm::vec2 at = 0.5f * axis + glm::vec2(in_view) * (view.focal_px / in_view.z);
+        const glm::vec2 size(view.width, view.height), off(-view.off_center.x, view.off_center.y);
+        const glm::vec2 at = 0.5f * size * (1.0f + off) + glm::vec2(in_view) * (view.focal_px / in_view.z);
         if (in_view.z <= 0 || at.x < 0 || at.y < 0 || at.x >= size.x || at.y >= size.y) return;
-        auto& [nearness, shown] =
-            pictures[target].second[std::size_t(at.y) * std::size_t(view.width) + std::size_t(at.x)];
+        auto& [nearness, shown] = pictures[target].second[std::size_t(int(at.y) * view.width + int(at.x))];
         if (1 / in_view.z > nearness) nearness = 1 / in_view.z, shown = color;
     }
 };
