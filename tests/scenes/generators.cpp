@@ -229,7 +229,7 @@ TEST_CASE("a forest is a grid of turned trees", "[scenes]") {
 }
 
 TEST_CASE("the walk over the island goes along its edge and then in, among the tops of its trees", "[scenes]") {
-    const IslandOptions options{.trees = 60, .tree_triangles = 200, .tree_kinds = 1, .ground_cells = 32};
+    const IslandOptions options{.trees = 60, .tree_triangles = 2'000, .tree_kinds = 1, .ground_cells = 32};
     const Scene scene = island(options);
     double side = 0;  // of the ground; the sea is larger
     for (const VertexColoredTriangle& t : scene.groups.back().triangles) {
