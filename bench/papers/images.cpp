@@ -216,7 +216,8 @@ class Table {
 
 std::string number(double v) {
     char text[32];
-    std::snprintf(text, sizeof text, std::abs(v) >= 10 ? "%.0f" : std::abs(v) >= 1 ? "%.1f" : "%.2g", v);
+    const double size = std::abs(v);
+    std::snprintf(text, sizeof text, size >= 100 ? "%.0f" : size >= 10 ? "%.1f" : size >= 1 ? "%.2f" : "%.2g", v);
     return text;
 }
 /// Bold is what misses.
