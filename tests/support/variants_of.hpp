@@ -135,8 +135,10 @@ std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
         H::approximation_type::facts.stands_in, H::partition_type::facts.children_are_octants, caches_images<H>,
         [](std::span<const Triangle> triangles, std::uint64_t memory_budget_bytes, const GridSampler& sampler) {
             typename H::approximation_type how{};
-            // Scenes of tests are small.
-            if constexpr (caches_images<H>) how.image_options.least_items = 64;
+            if constexpr (caches_images<H>) {
+                how.image_options.least_items = 64;  // scenes of tests are small
+                how.image_options.samples = 16;      // and their pictures are compared with finer ones
+            }
             return std::unique_ptr<AnyHierarchy>(std::make_unique<HierarchyOver<H>>(
                 build<H>(triangles,
                          {.approximation = how, .sampler = sampler, .memory_budget_bytes = memory_budget_bytes}),
