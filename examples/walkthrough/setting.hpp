@@ -26,7 +26,7 @@ struct Setting {
     bool culls_back_faces = false;  ///< all surfaces are closed and counter-clockwise from outside
 };
 
-/// A name of the catalog, or a file. Throws UsageError.
-Setting make_setting(const std::string& scene);
+/// A name of the catalog, or a file, with what is up in it. Throws UsageError.
+Setting make_setting(const std::string& scene, std::optional<glm::vec3> up = {});
 
 }  // namespace walkthrough
