@@ -16,6 +16,8 @@
 #include <random>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "farfield/approximation/exact.hpp"
@@ -25,6 +27,7 @@
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/measure/flip.hpp"
 #include "farfield/partition/gap_bsp.hpp"
+#include "farfield/partition/octree.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/generate/island.hpp"
@@ -39,6 +42,10 @@ namespace {
 using Far = OpacityTensor;
 template <class A>
 using Hierarchy = SpatialHierarchy<GapBsp, A, MeasuredTime>;
+/// A tree's own: with a far field an octree, for cells between gaps are long, and few of their tensors are good at
+/// several pixels (the far field over gaps alone is slower than exact geometry).
+template <class A>
+using TreeHierarchy = SpatialHierarchy<std::conditional_t<A::facts.stands_in, Octree, GapBsp>, A, MeasuredTime>;
 
 /// Of this thread, on the processor.
 double now_ms() {
@@ -48,24 +55,29 @@ double now_ms() {
 }
 
 /// A scene whose last group places the others.
-template <class H>
+template <class A>
 struct Built {
+    using Tree = TreeHierarchy<A>;
+    using Object = scenes::Object<Tree>;
+
     std::vector<std::vector<VertexColoredTriangle>> trees;
-    std::vector<H> kinds;
-    std::vector<scenes::Object<H>> objects;
-    H hierarchy;
+    std::vector<Tree> kinds;
+    std::vector<Object> objects;
+    Hierarchy<A> hierarchy;
     double root_ms = 0;  ///< of building the outermost hierarchy
 
-    Built(const scenes::Scene& scene, const typename H::approximation_type& approximation, const MeasuredTime& prices) {
-        const BuildOptions<H> how{.approximation = approximation, .cost_model = prices};
+    Built(const scenes::Scene& scene, const A& approximation, const MeasuredTime& prices) {
         for (std::size_t g = 0; g + 1 < scene.groups.size(); ++g) trees.push_back(scene.groups[g].triangles);
-        for (auto& tree : trees) kinds.push_back(build_in_place<H>(tree, how));
+        for (auto& tree : trees) {
+            kinds.push_back(build_in_place<Tree>(tree, {.approximation = approximation, .cost_model = prices}));
+        }
         for (const auto& t : scene.groups.back().triangles) objects.push_back({t});
-        for (const auto& p : scene.groups.back().placements)
+        for (const auto& p : scene.groups.back().placements) {
             objects.push_back(
-                {Instance<H, VertexColoredTriangle>{&kinds[p.group], trees[p.group], Similarity(p.to_parent)}});
+                {Instance<Tree, VertexColoredTriangle>{&kinds[p.group], trees[p.group], Similarity(p.to_parent)}});
+        }
         const double start = now_ms();
-        hierarchy = build_in_place<H>(objects, how);
+        hierarchy = build_in_place<Hierarchy<A>>(objects, {.approximation = approximation, .cost_model = prices});
         root_ms = now_ms() - start;
     }
 };
@@ -73,17 +85,17 @@ struct Built {
 /// A hierarchy with a viewer and renderer of its own.
 template <class A, class R = ZBufferRenderer>
 struct Player {
-    using H = Hierarchy<A>;
+    using Object = typename Built<A>::Object;
 
-    Built<H> built;
+    Built<A> built;
     R renderer;
-    Viewer<H, scenes::Object<H>, R> viewer;
+    Viewer<Hierarchy<A>, Object, R> viewer;
 
     explicit Player(const scenes::Scene& scene, const A& approximation = {}, int samples = 1,
                     const MeasuredTime& prices = {})
         : built(scene, approximation, prices),
           renderer(ZBufferOptions{.samples = samples}),
-          viewer(built.hierarchy, std::span<const scenes::Object<H>>(built.objects), renderer) {}
+          viewer(built.hierarchy, std::span<const Object>(built.objects), renderer) {}
 };
 
 template <class Inner>
