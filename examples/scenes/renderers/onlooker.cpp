@@ -26,18 +26,21 @@ std::array<glm::vec3, 4> Onlooker::corners(const LocalView& view, const ImageQua
 }
 
 float Onlooker::reach() const {
-    float farthest = 0;
+    std::vector<float> depths;
     for (const Batch& b : batches_) {
-        for (const ImageQuad& q : b.quads) farthest = std::max(farthest, b.view.depth(q.corner) * b.view.scale);
+        for (const ImageQuad& q : b.quads) depths.push_back(b.view.depth(q.corner) * b.view.scale);
     }
-    return farthest;
+    if (depths.empty()) return 0;
+    const auto most = depths.begin() + std::ptrdiff_t(depths.size() * 9 / 10);
+    std::nth_element(depths.begin(), most, depths.end());
+    return *most;
 }
 
 /// From above and beside, behind the eye that drew the frame, onto the middle of what it sees.
 LocalView Onlooker::outer_view(float reach) const {
     LocalView v = outermost_;
-    const glm::vec3 eye = v.eye, target = eye + v.forward * (0.42f * reach) - v.up * (0.05f * reach);
-    v.eye += (v.right * 0.42f + v.up * 0.42f - v.forward * 0.28f) * reach;
+    const glm::vec3 eye = v.eye, target = eye + v.forward * (0.5f * reach);
+    v.eye += (v.right * 0.55f + v.up * 0.5f - v.forward * 0.35f) * reach;
     v.forward = glm::normalize(target - v.eye);
     v.right = glm::normalize(glm::cross(v.forward, outermost_.up));
     v.up = glm::cross(v.right, v.forward);

@@ -90,7 +90,8 @@ class Onlooker final : public AnyRenderer {
     /// A point of another view's coordinates in those of the outermost.
     glm::vec3 outside(const LocalView& view, glm::vec3 p) const;
     std::array<glm::vec3, 4> corners(const LocalView& view, const ImageQuad& quad) const;
-    /// The depth that all images are nearer than; if there are none, of all stand-ins and cells nothing is known.
+    /// The depth that nine images of ten are nearer than: one that stands for the horizon would make all else small. 0:
+    /// there are none.
     float reach() const;
     LocalView outer_view(float reach) const;
     void draw_lines(const LocalView& view, std::span<const Segment> segments, Rgba8 color);
