@@ -81,7 +81,7 @@ TEST_CASE("gallery: scaled by a power of two it gives exactly the same cut and p
                     for (const View& view : views_of(subject, tolerance)) {
                         ZBufferRenderer a, b;
                         CHECK(
-                            same(h->viewer(a)->frame(view), other->viewer(b)->frame(placed(view, double(scale), {}))));
+                            same(h->viewer(a)->arrive(view), other->viewer(b)->arrive(placed(view, double(scale), {}))));
                         CHECK(a.image() == b.image());
                     }
                 }
