@@ -91,8 +91,13 @@ class FarSamples {
     void deposit_sample(const Depths& depths, int x, int y, float q, Loss loss, glm::vec3 rgb) {
         const auto row = row_of(depths, y);
         const native_lanes::Square whole(0, 0, 1, 1, 1, 1);
+        const bool is_first = (row.bits[x >> 6].touched >> (x & 63) & 1) == 0;
+        if (!is_touched_by(row, x, q)) return;
         if (x < rect_.x0 || y < rect_.y0 || x >= rect_.x1 || y >= rect_.y1) rect_.add(x, y, x + 1, y + 1);
-        into(row, x, q, native_lanes::Deposit(loss, rgb), whole.columns(0), whole.rows(0));
+        // What the first one finds is known, and not worth waiting for.
+        if (is_first) row.samples[x] = {};
+        if (native_lanes::Deposit(loss, rgb).into(row.samples[x], whole.columns(0), whole.rows(0)))
+            row.bits[x >> 6].open &= ~(std::uint64_t(1) << (x & 63));
     }
 
     /// Deposits a square: each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are

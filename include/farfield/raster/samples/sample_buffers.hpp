@@ -71,6 +71,14 @@ class SampleBuffers {
         far_.deposit_in_lane(blocks_, x - whole_x_, y - whole_y_, area, q, loss, rgb);
     }
 
+    /// A rectangle that holds all pixels drawn to, from the upper left one.
+    SampleRect drawn_pixels() const {
+        SampleRect r = blocks_.drawn();
+        r.add(far_.rect());
+        if (r.is_empty()) return {};
+        return {r.x0 / side_, r.y0 / side_, (r.x1 - 1) / side_ + 1, (r.y1 - 1) / side_ + 1};
+    }
+
     /// Deposits something of this color, premultiplied, over what lies behind; coordinates from the upper left sample.
     void deposit_sample(int x, int y, float q, Rgba8 color) {
         const float opacity = float(color.a) * (1 / 255.0f);

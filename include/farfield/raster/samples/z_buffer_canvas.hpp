@@ -100,7 +100,7 @@ class ZBufferCanvas {
     std::uint32_t end_image() {
         buffers_.resolve(target_image_);
         std::uint32_t slot = 0;
-        while (slot < images_.size() && images_[slot].width != 0) ++slot;
+        while (slot < images_.size() && images_[slot].whole_width != 0) ++slot;
         if (slot == images_.size()) images_.emplace_back();
         keep_image(images_[slot], buffers_, target_image_, projection_, quad_depth_, relative_depths_);
         makes_image_ = false;
