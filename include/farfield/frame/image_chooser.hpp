@@ -166,7 +166,10 @@ class ImageChooser {
         const glm::vec2 size =
             glm::vec2(length_of(image.across), length_of(image.down)) * v.view.focal_px * v.view.squeeze;
         return v.hierarchy.cost_policy().cost(
-            {.images = float(image.slices), .texels = size.x * size.y * float(image.slices), .cells = 1});
+            // Slices are cropped: four of a tree have twice the texels of one.
+            {.images = float(image.slices),
+             .texels = size.x * size.y * (1 + 0.375f * float(image.slices - 1)),
+             .cells = 1});
     }
 
     /// "amortizedCost < cost to draw contents" (UpdateNode). If so the cell is wanted, and nothing below it.
@@ -220,8 +223,8 @@ class ImageChooser {
         return overlap(rect.left, rect.width, view.part.whole_width) *
                overlap(rect.top, rect.height, view.part.whole_height);
     }
-    /// Slices are drawn one by one, and what crosses two is drawn twice.
-    float making_factor() const { return 1 + 0.25f * float(options_.slices - 1); }
+    /// What a nearer slice hides is drawn all the same, and what crosses two is drawn twice.
+    float making_factor() const { return 1 + 0.0625f * float(options_.slices - 1); }
 
     template <class V>
     static void draw_wanted(Maker& maker, const WantedImage<Maker>& wanted, const LocalView& image_view) {

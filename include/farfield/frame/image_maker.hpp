@@ -178,24 +178,36 @@ class ImageMaker {
         const LocalView view =
             wanted.view.rectangle(wanted.rect.left, wanted.rect.top, wanted.rect.width, wanted.rect.height);
         float inherited = std::numeric_limits<float>::infinity();
-        for (int i = 0; i < image.slices; ++i) {
-            const auto at = std::size_t(i);
-            LocalView slice = view;
-            if (image.slices > 1) {
-                const float none = std::numeric_limits<float>::infinity();
-                slice =
-                    view.between(i == 0 ? -none : image.ends[at], i + 1 == image.slices ? none : image.ends[at + 1]);
-            }
-            renderer_.begin_image(slice, image.depths[at], options_->samples);
-            wanted.draw(*this, wanted, slice);
-            image.handles[at] = renderer_.end_image();
-            if (image.handles[at] == 0) {
-                for (int done = 0; done < i; ++done) free_handle(image.handles[std::size_t(done)]);
-                cell.refused_frame = kept_.frame();
-                return false;
-            }
+        const auto slices = std::size_t(image.slices);
+        std::array<ImageSlice, ImageCacheOptions::most_slices> extents = image.extents;
+        // Nothing in the box is left out for a rounding.
+        extents[0].nearest = -std::numeric_limits<float>::infinity();
+        extents[slices - 1].farthest = std::numeric_limits<float>::infinity();
+        const auto draw = [&](const LocalView& as_seen) {
+            wanted.draw(*this, wanted, as_seen);
             image.is_of_images = image.is_of_images || images_in_image_ != 0;
             inherited = std::min(inherited, inherited_radius_);
+        };
+        if constexpr (R::facts.slices_images) {
+            renderer_.begin_image(view, std::span<const ImageSlice>(extents.data(), slices), options_->samples);
+            draw(view);
+            renderer_.end_image(std::span<std::uint32_t>(image.handles.data(), slices));
+        } else {
+            for (std::size_t i = 0; i < slices; ++i) {
+                const LocalView slice = slices == 1 ? view : view.between(extents[i].nearest, extents[i].farthest);
+                renderer_.begin_image(slice, extents[i].depth, options_->samples);
+                draw(slice);
+                image.handles[i] = renderer_.end_image();
+                if (image.handles[i] == 0) break;
+            }
+        }
+        const std::span<const std::uint32_t> handles(image.handles.data(), slices);
+        if (std::find(handles.begin(), handles.end(), 0u) != handles.end()) {
+            for (const std::uint32_t handle : handles) {
+                if (handle != 0) free_handle(handle);
+            }
+            cell.refused_frame = kept_.frame();
+            return false;
         }
         image.inherited_radius = inherited / wanted.view.scale;
         image.bytes = bytes;

@@ -20,6 +20,7 @@
 #include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,7 @@
 #include "farfield/raster/sample_rect.hpp"
 #include "farfield/raster/samples/sample_blocks.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
+#include "farfield/raster/samples/sliced_buffers.hpp"
 
 namespace farfield::detail {
 
@@ -75,9 +77,11 @@ inline SampleRect tight(const Image& colors, const SampleRect& in) {
 }
 
 /// Takes an image of the size that `projection` has from what was drawn. `colors` is its picture, at least as large;
-/// the rectangle lies at `quad_depth` from the projection's anchor. `scratch` is kept from call to call.
+/// the rectangle lies at `quad_depth` from the projection's anchor, and holds nothing outside of a range of depths.
+/// `scratch` is kept from call to call.
 inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Image& colors,
-                       const SampleProjection& projection, float quad_depth, std::vector<float>& scratch) {
+                       const SampleProjection& projection, float quad_depth, const DepthRange& range,
+                       std::vector<float>& scratch) {
     const int side = buffers.samples_a_side();
     kept.whole_width = projection.whole_width / side;
     kept.whole_height = projection.whole_height / side;
@@ -104,10 +108,11 @@ inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Imag
         for (int x = 0; x < kept.width; ++x) {
             const Rgba8 c = colors.at(kept.left + x, kept.top + y);
             if (c.a == 0) continue;
+            const float q = buffers.mean_depth(kept.left + x, kept.top + y);
+            if (std::isfinite(q) && !range.contains(q)) continue;
             kept.color[row + std::size_t(x)] = c;
             kept.tiles[std::size_t(y + 1) / KeptImage::tile * kept.tile_columns() +
                        std::size_t(x + 1) / KeptImage::tile] = 1;
-            const float q = buffers.mean_depth(kept.left + x, kept.top + y);
             const float relative = by_quotient ? (q + bias) / (quad + bias) : q - quad;
             if (!std::isfinite(relative)) continue;
             scratch[row + std::size_t(x)] = relative;
@@ -315,11 +320,24 @@ class ImageFill {
         return false;
     }
 
+    /// Samples [first, end) of a row of a block.
     template <bool is_inside>
     void fill_run(const KeptImage& image, const Run& run, std::size_t at, int first, int end, int y) {
+        constexpr int side = SampleBlocks::side;
+        constexpr float nothing = -std::numeric_limits<float>::infinity();
+        static constexpr float undrawn[side] = {nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing};
         SampleBlocks& blocks = buffers_.blocks();
+        const int block_x = first & -side;
+        const std::size_t row_in_block = std::size_t(y & (side - 1)) * side;
         SampleBlocks::Samples* samples = nullptr;
-        float nearest = -std::numeric_limits<float>::infinity();
+        const auto open = [&] {
+            samples = &blocks.opened(at, first >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
+            return samples->depth + row_in_block;
+        };
+        // Depths of the row; a block that nothing has been drawn into is opened only for something opaque.
+        const float* depths = blocks.is_drawn(blocks.block(at)) ? open() : undrawn;
+        std::optional<FarSamples::Eight> deposits;
+        float nearest = nothing;
         const std::size_t stride = image.stride();
         std::int32_t u = run.u + 128, v = run.v + 128;  // rounded to 1/256
         float quad_q = run.q;
@@ -332,28 +350,25 @@ class ImageFill {
             __builtin_memcpy(lower, image.color.data() + texel + stride, sizeof lower);
             if ((upper[0] | upper[1] | lower[0] | lower[1]) == 0) continue;
             const auto u_part = std::uint32_t(u >> 8 & 255), v_part = std::uint32_t(v >> 8 & 255);
-            const auto color = std::bit_cast<Rgba8>(
-                mixed_bytes(mixed_bytes(upper[0], upper[1], u_part), mixed_bytes(lower[0], lower[1], u_part), v_part));
-            if (color.a == 0) continue;
             const std::size_t nearest_texel = texel + (u_part >= 128 ? 1 : 0) + (v_part >= 128 ? stride : 0);
             const float q =
                 at_relative(quad_q, image.least_depth + image.depth_step * float(image.depth[nearest_texel]));
+            const auto i = unsigned(x - block_x);
+            if (!(q > depths[i])) continue;
+            const auto color = std::bit_cast<Rgba8>(
+                mixed_bytes(mixed_bytes(upper[0], upper[1], u_part), mixed_bytes(lower[0], lower[1], u_part), v_part));
+            if (color.a == 0) continue;
             if (color.a < 255) {
-                buffers_.deposit_sample(x, y, q, color);
+                if (!deposits) deposits.emplace(buffers_.eight_deposits(block_x, y));
+                deposits->deposit(i, q, color);
                 continue;
             }
-            if (samples == nullptr) {
-                samples = &blocks.opened(at, first >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
-            }
-            const std::size_t within = std::size_t(y & (SampleBlocks::side - 1)) * SampleBlocks::side +
-                                       std::size_t(x & (SampleBlocks::side - 1));
-            if (q > samples->depth[within]) {
-                samples->depth[within] = q;
-                samples->color[within] = color;
-                nearest = std::max(nearest, q);
-            }
+            if (samples == nullptr) depths = open();
+            samples->depth[row_in_block + i] = q;
+            samples->color[row_in_block + i] = color;
+            nearest = std::max(nearest, q);
         }
-        if (samples == nullptr) return;
+        if (nearest == nothing) return;
         blocks.filled(at, nearest);
         has_drawn_ = true;
     }

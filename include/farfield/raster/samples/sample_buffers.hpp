@@ -79,12 +79,8 @@ class SampleBuffers {
         return {r.x0 / side_, r.y0 / side_, (r.x1 - 1) / side_ + 1, (r.y1 - 1) / side_ + 1};
     }
 
-    /// Deposits something of this color, premultiplied, over what lies behind; coordinates from the upper left sample.
-    void deposit_sample(int x, int y, float q, Rgba8 color) {
-        const float opacity = float(color.a) * (1 / 255.0f);
-        const glm::vec3 rgb = glm::vec3(float(color.r), float(color.g), float(color.b)) * (1.0f / float(color.a));
-        far_.deposit_sample(blocks_, x, y, q, loss_of_opacity(opacity, AreaLaw::independent), rgb);
-    }
+    /// See FarSamples::Eight; coordinates from the upper left sample.
+    FarSamples::Eight eight_deposits(int x, int y) { return far_.eight(x, y); }
 
     /// The mean depth, as q, of a pixel's samples that something covers: for each that of the nearest. -infinity: none.
     float mean_depth(int px, int py) const {
