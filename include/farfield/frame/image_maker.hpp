@@ -83,7 +83,7 @@ class DrawWithImages : public DrawNow<R> {
     }
     template <class V>
     bool may_be_in_image(const V& v, const CellImage& image) {
-        if (image.is_of_images || options_.slices > 1) return false;
+        if (image.is_of_images || image.slices > 1) return false;
         const float half = sine_of_pixels(0.5f * options_.threshold_px, v.view);
         const float radius =
             options_.is_conservative ? conservative_radius(image.place, half) : safety_radius(image.place, half);
@@ -170,11 +170,11 @@ class ImageMaker {
         KeptCell& cell = kept_.cell(wanted.cell);
         const auto free_handle = [&](std::uint32_t handle) { renderer_.free_image(handle); };
         if (cell.image != KeptCell::no_image) kept_.forget(cell, free_handle);
-        const std::uint64_t bytes = std::uint64_t(options_->slices) *
-                                    std::uint64_t(renderer_.image_bytes(wanted.rect.width, wanted.rect.height));
+        const std::uint64_t bytes =
+            std::uint64_t(wanted.slices) * std::uint64_t(renderer_.image_bytes(wanted.rect.width, wanted.rect.height));
         if (!kept_.make_room(bytes, options_->budget_bytes, free_handle)) return false;
         CellImage image = planned_image(wanted.view, wanted.subtree.cell.bounds_center, wanted.subtree.cell.bounds_half,
-                                        wanted.rect, options_->slices);
+                                        wanted.rect, wanted.slices);
         const LocalView view =
             wanted.view.rectangle(wanted.rect.left, wanted.rect.top, wanted.rect.width, wanted.rect.height);
         float inherited = std::numeric_limits<float>::infinity();
@@ -212,6 +212,7 @@ class ImageMaker {
         image.inherited_radius = inherited / wanted.view.scale;
         image.bytes = bytes;
         image.making_cost = wanted.making_price;
+        set_safety_zone(image, wanted.view, *options_);
         kept_.keep(cell, image);
         cell.drawn_frame = kept_.frame();
         return true;

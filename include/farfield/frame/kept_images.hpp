@@ -39,6 +39,9 @@ struct CellImage {
     std::array<ImageSlice, ImageCacheOptions::most_slices> extents{};  ///< as far as the box reaches
     glm::vec3 corner{0}, across{0}, down{0};  ///< from the eye, at depth 1; in a parallel view as they are
     float pixels_a_unit = 1;                  ///< at the box's center
+    /// Seen from within this radius of where it was made, nothing in it subtends a larger angle than one of this sine:
+    /// the paper's safety zone, which is quick to ask.
+    float safe_radius = 0, safe_sine = 0;
     std::uint64_t bytes = 0;
     float making_cost = 0;
     /// What it shows is partly images of cells below: it is good inside this sphere, and for half the threshold.
@@ -124,6 +127,23 @@ inline CellImage planned_image(const LocalView& view, glm::vec3 center, glm::vec
     return image;
 }
 
+/// The sine of the angle that displaces something by `part` of the threshold.
+inline float allowed_sine(const LocalView& view, const ImageCacheOptions& options, float part) {
+    const float pixels = options.threshold_px * part;
+    return options.is_conservative ? sine_of_pixels_anywhere(pixels, view) : sine_of_pixels(pixels, view);
+}
+/// Sets the zone in which the image is good for `part` of the threshold.
+inline void set_safety_zone(CellImage& image, const LocalView& view, const ImageCacheOptions& options) {
+    image.safe_sine = allowed_sine(view, options, image.is_of_images ? 0.5f : 1.0f);
+    image.safe_radius = std::numeric_limits<float>::infinity();
+    for (int i = 0; i < image.slices; i += std::max(1, image.slices - 1)) {
+        const ImagePlace place = image.slice(i);
+        image.safe_radius =
+            std::min(image.safe_radius, options.is_conservative ? conservative_radius(place, image.safe_sine)
+                                                                : safety_radius(place, image.safe_sine));
+    }
+}
+
 /// Whether an image may be drawn in a view in place of what it shows, with its error at most `part` of the threshold.
 inline bool is_good(const CellImage& image, const LocalView& view, const ImageCacheOptions& options, float part = 1) {
     const glm::vec3 from_center = glm::abs(view.eye - image.place.center);
@@ -134,6 +154,9 @@ inline bool is_good(const CellImage& image, const LocalView& view, const ImageCa
         return false;
     if (!(length_of(view.eye - image.place.eye) <= image.inherited_radius)) return false;
     if (image.is_of_images) part *= 0.5f;
+    const bool is_safe = view.is_perspective && image.safe_sine > 0 &&
+                         length_of(view.eye - image.place.eye) <= image.safe_radius &&
+                         image.safe_sine <= allowed_sine(view, options, part);
     // Slices between the first and the last are displaced less than one of these: see planned_image().
     for (int i = 0; i < image.slices; i += std::max(1, image.slices - 1)) {
         const ImageQuad quad = image.quad(i);
@@ -141,6 +164,7 @@ inline bool is_good(const CellImage& image, const LocalView& view, const ImageCa
              {quad.corner, quad.corner + quad.across, quad.corner + quad.down, quad.corner + quad.across + quad.down}) {
             if (!(view.depth(p) > view.near_depth)) return false;
         }
+        if (is_safe) continue;
         const ImagePlace slice = image.slice(i);
         const float displaced =
             options.is_conservative ? displacement_bound_px(slice, view) : displacement_px(slice, view);

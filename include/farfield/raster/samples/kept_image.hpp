@@ -47,6 +47,9 @@ struct KeptImage {
     std::vector<Rgba8> color;               ///< premultiplied
     std::vector<std::uint16_t> depth;
     float least_depth = 1, depth_step = 0;
+    /// Texels are covered or not, none in part: then so is what lies between them, as a sample of geometry is. It is
+    /// decided by half; blending all edges would cost more than the rest of the image.
+    bool is_solid = true;
     std::vector<std::uint8_t> tiles;  ///< of 8 x 8 texels, the border counted: 0 where nothing is
 
     static constexpr int log2_tile = 3, tile = 1 << log2_tile;
@@ -103,6 +106,7 @@ inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Imag
     // NaN stands for a texel without depth.
     scratch.assign(count, std::numeric_limits<float>::quiet_NaN());
     float least = neutral, most = neutral;
+    kept.is_solid = true;
     for (int y = 0; y < kept.height; ++y) {
         const std::size_t row = std::size_t(y + 1) * stride + 1;
         for (int x = 0; x < kept.width; ++x) {
@@ -111,6 +115,7 @@ inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Imag
             const float q = buffers.mean_depth(kept.left + x, kept.top + y);
             if (std::isfinite(q) && !range.contains(q)) continue;
             kept.color[row + std::size_t(x)] = c;
+            kept.is_solid = kept.is_solid && c.a == 255;
             kept.tiles[std::size_t(y + 1) / KeptImage::tile * kept.tile_columns() +
                        std::size_t(x + 1) / KeptImage::tile] = 1;
             const float relative = by_quotient ? (q + bias) / (quad + bias) : q - quad;
@@ -146,6 +151,20 @@ inline std::uint32_t mixed_bytes(std::uint32_t a, std::uint32_t b, std::uint32_t
     const std::uint32_t low = ((a & even) * rest + (b & even) * part + 0x00800080) >> 8 & even;
     const std::uint32_t high = ((a >> 8 & even) * rest + (b >> 8 & even) * part + 0x00800080) & ~even;
     return low | high;
+}
+
+/// Something premultiplied that is to be opaque; alpha above 0.
+inline Rgba8 made_opaque(Rgba8 c) {
+    static constexpr std::array<std::uint32_t, 256> factors = [] {
+        std::array<std::uint32_t, 256> f{};
+        for (std::uint32_t a = 1; a < 256; ++a) f[a] = ((255u << 16) + a / 2) / a;
+        return f;
+    }();
+    const std::uint32_t factor = factors[c.a];
+    const auto channel = [&](std::uint8_t v) {
+        return std::uint8_t(std::min<std::uint32_t>((v * factor + 0x8000) >> 16, 255));
+    };
+    return {channel(c.r), channel(c.g), channel(c.b), 255};
 }
 
 /// Draws images into samples: opaque texels into the z-buffer, the others as deposits over it.
@@ -297,9 +316,11 @@ class ImageFill {
             run.v += run.v_step * (first - x);
             run.q += run.q_step * float(first - x);
             if (is_inside) {
-                fill_run<true>(image, run, at, first, end, row);
+                image.is_solid ? fill_run<true, true>(image, run, at, first, end, row)
+                               : fill_run<true, false>(image, run, at, first, end, row);
             } else {
-                fill_run<false>(image, run, at, first, end, row);
+                image.is_solid ? fill_run<false, true>(image, run, at, first, end, row)
+                               : fill_run<false, false>(image, run, at, first, end, row);
             }
         }
     }
@@ -321,7 +342,7 @@ class ImageFill {
     }
 
     /// Samples [first, end) of a row of a block.
-    template <bool is_inside>
+    template <bool is_inside, bool is_solid>
     void fill_run(const KeptImage& image, const Run& run, std::size_t at, int first, int end, int y) {
         constexpr int side = SampleBlocks::side;
         constexpr float nothing = -std::numeric_limits<float>::infinity();
@@ -355,10 +376,14 @@ class ImageFill {
                 at_relative(quad_q, image.least_depth + image.depth_step * float(image.depth[nearest_texel]));
             const auto i = unsigned(x - block_x);
             if (!(q > depths[i])) continue;
-            const auto color = std::bit_cast<Rgba8>(
+            auto color = std::bit_cast<Rgba8>(
                 mixed_bytes(mixed_bytes(upper[0], upper[1], u_part), mixed_bytes(lower[0], lower[1], u_part), v_part));
-            if (color.a == 0) continue;
-            if (color.a < 255) {
+            if (is_solid) {
+                if (color.a < 128) continue;
+                if (color.a < 255) color = made_opaque(color);
+            } else if (color.a == 0) {
+                continue;
+            } else if (color.a < 255) {
                 if (!deposits) deposits.emplace(buffers_.eight_deposits(block_x, y));
                 deposits->deposit(i, q, color);
                 continue;
