@@ -340,6 +340,10 @@ constexpr bool check_renderer() {
             "farfield: a renderer with `keeps_images` needs `void begin_image(const LocalView&, float quad_depth, int "
             "samples)`, `std::uint32_t end_image()`, `void free_image(std::uint32_t)`, `std::size_t image_bytes(int "
             "width, int height) const` and `void draw(std::span<const ImageQuad>)`");
+        static_assert(SlicesImagesIfStated<R>,
+                      "farfield: a renderer with `slices_images` needs `keeps_images`, `void begin_image(const "
+                      "LocalView&, std::span<const ImageSlice>, int samples)` and `void "
+                      "end_image(std::span<std::uint32_t>)`");
     }
     return true;
 }
