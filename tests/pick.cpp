@@ -176,7 +176,7 @@ TEST_CASE("instances are entered, to any depth, and paths name them") {
     for (int i = 0; i < 300; ++i) {
         const glm::dvec3 origin(random.in_cube(60));
         const Ray ray{origin, glm::dvec3(random.in_cube(20)) - origin};
-        const detail::TriangleMeeter meeter(ray);
+        const detail::RayMeeter meeter(ray);
         double nearest = std::numeric_limits<double>::infinity();
         std::vector<std::uint32_t> path;
         for (std::uint32_t g = 0; g < groves.size(); ++g) {

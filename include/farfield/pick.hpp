@@ -3,9 +3,10 @@
 
 #include "farfield/settings.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <glm/common.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -13,14 +14,19 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "farfield/drawables.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/frame/subtree.hpp"
+#include "farfield/geometry/box.hpp"
+#include "farfield/geometry/cell.hpp"
+#include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/ray.hpp"
 #include "farfield/geometry/visit_order.hpp"
+#include "farfield/hierarchy/node.hpp"
 #include "farfield/primitive.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/view.hpp"
@@ -61,8 +67,12 @@ class Picking {
                 "built from");
         }
         ray.origin -= hierarchy.origin();
-        Subtree whole = whole_of(hierarchy);
-        if (meets(ray, whole.cell)) descend(hierarchy, primitives, ray, TriangleMeeter(ray), whole);
+        const Visit<H, P> visit{{primitives, hierarchy.order(), hierarchy.item_count(), hierarchy.origin()},
+                                hierarchy,
+                                RayMeeter(ray),
+                                glm::vec4(glm::vec3(ray.at(ray.nearest > -missed ? ray.nearest : 0)), 1)};
+        const Subtree whole = whole_of(hierarchy);
+        if (meets(visit.meeter, whole.cell)) descend(visit, whole);
     }
 
     std::optional<PickedPrimitive> found() {
@@ -71,64 +81,81 @@ class Picking {
     }
 
   private:
-    bool meets(const Ray& ray, const Cell& cell) const {
-        const double distance = entry_distance(ray, cell.bounds_center, cell.bounds_half);
+    template <class H, class P>
+    struct Visit {
+        Source<P> source;
+        const H& hierarchy;
+        RayMeeter meeter;
+        glm::vec4 viewpoint;
+    };
+
+    bool meets(const RayMeeter& meeter, const Cell& cell) const {
+        return meets(meeter, cell.bounds_center, cell.bounds_half);
+    }
+    bool meets(const RayMeeter& meeter, glm::vec3 center, glm::vec3 half) const {
+        const double distance = meeter.entry_distance(center, half);
         return distance < missed && (nearest_.path.empty() || distance <= nearest_.distance);
     }
 
-    template <class H, class P>
-    void descend(const H& hierarchy, std::span<const P> primitives, const Ray& ray, const TriangleMeeter& meeter,
-                 const Subtree& subtree) {
-        const Node& node = hierarchy.nodes()[subtree.node];
-        const std::uint32_t end =
-            node.first_child != 0 ? hierarchy.nodes()[node.first_child].first_item : subtree.end_item;
-        const std::span<const std::uint32_t> order = hierarchy.order();
+    template <class V>
+    void descend(const V& v, const Subtree& subtree) {
+        const Node& node = v.hierarchy.nodes()[subtree.node];
+        const bool is_leaf = node.first_child == 0;
+        const std::uint32_t end = is_leaf ? subtree.end_item : v.hierarchy.nodes()[node.first_child].first_item;
         for (std::uint32_t position = node.first_item; position < end; ++position) {
-            const std::uint32_t index = order.empty() ? position : order[position];
-            test(hierarchy, primitives[index], index, ray, meeter, subtree.node);
+            v.source.prefetch(position);
+            test(v, position, subtree.node);
         }
-        if (node.first_child == 0) return;
-        for_each_child<VisitOrder::front_to_back>(
-            hierarchy, subtree, glm::vec4(glm::vec3(ray.at(ray.nearest > -missed ? ray.nearest : 0)), 1),
-            [&](Subtree& child) {
-                if (meets(ray, child.cell)) descend(hierarchy, primitives, ray, meeter, child);
-            });
+        if (is_leaf) return;
+        for_each_child<VisitOrder::front_to_back>(v.hierarchy, subtree, v.viewpoint, [&](const Subtree& child) {
+            if (meets(v.meeter, child.cell)) descend(v, child);
+        });
+    }
+
+    template <class V>
+    static std::uint32_t index_at(const V& v, std::uint32_t position) {
+        return v.source.order.empty() ? position : v.source.order[position];
     }
 
     /// Pieces that a partition cuts are not asked but the primitive itself, because cutting rounds.
-    template <class H, class P>
-    void test(const H& hierarchy, const P& primitive, std::uint32_t index, const Ray& ray,
-              [[maybe_unused]] const TriangleMeeter& meeter, [[maybe_unused]] std::uint32_t node) {
-        path_.push_back(index);
-        bool is_instance = false;
+    template <class V>
+    void test(const V& v, std::uint32_t position, [[maybe_unused]] std::uint32_t node) {
+        const auto& primitive = v.source[position];
+        using P = std::remove_cvref_t<decltype(primitive)>;
         if constexpr (PrimitiveWithInstance<P>) {
-            is_instance = primitive_traits<P>::visit_instance(primitive, [&](const auto& instance) {
+            const bool is_instance = primitive_traits<P>::visit_instance(primitive, [&](const auto& instance) {
                 if (instance.hierarchy == nullptr) {
                     fail<std::invalid_argument>("farfield::pick: an instance has no hierarchy");
                 }
+                const BoxD bounds = instance.bounds();
+                const glm::dvec3 center = bounds.center() - v.source.origin;
+                if (!meets(v.meeter, glm::vec3(center), glm::vec3(bounds.size() * 0.5))) return;
+                path_.push_back(index_at(v, position));
                 // The inverse, and not the transpose: a rotation in single precision is none exactly.
                 const auto& placed = instance.to_world;
                 const glm::dmat3 to_inner = glm::inverse(glm::dmat3(placed.rotation())) / double(placed.scale());
-                Ray inner = ray;
-                inner.origin = to_inner * (ray.origin + hierarchy.origin() - placed.translation);
-                inner.direction = to_inner * ray.direction;
+                Ray inner = v.meeter.ray();
+                inner.origin = to_inner * (inner.origin + v.source.origin - placed.translation);
+                inner.direction = to_inner * inner.direction;
                 search(*instance.hierarchy, instance.primitives, inner);
+                path_.pop_back();
             });
+            if (is_instance) return;
         }
-        if (!is_instance) {
-            if constexpr (PrimitiveWithPolygons<P>) {
-                double nearest = missed;
-                local_polygons(primitive, hierarchy.origin(), [&](const Polygon& polygon) {
-                    const auto& v = polygon.vertices;
-                    for_each_triangle(v.size(), [&](std::size_t a, std::size_t b, std::size_t c) {
-                        nearest =
-                            glm::min(nearest, meeter.distance_to(glm::dvec3(v[a]), glm::dvec3(v[b]), glm::dvec3(v[c])));
-                    });
+        if constexpr (PrimitiveWithPolygons<P>) {
+            double nearest = missed;
+            local_polygons(primitive, v.source.origin, [&](const Polygon& polygon) {
+                const auto& p = polygon.vertices;
+                for_each_triangle(p.size(), [&](std::size_t a, std::size_t b, std::size_t c) {
+                    nearest =
+                        glm::min(nearest, v.meeter.distance_to(glm::dvec3(p[a]), glm::dvec3(p[b]), glm::dvec3(p[c])));
                 });
-                if (nearest < missed) keep_nearer(primitive, nearest, node);
-            }
+            });
+            if (nearest == missed) return;
+            path_.push_back(index_at(v, position));
+            keep_nearer(primitive, nearest, node);
+            path_.pop_back();
         }
-        path_.pop_back();
     }
 
     /// At one distance the one comes first that has the smaller indices, in whatever order cells were visited.

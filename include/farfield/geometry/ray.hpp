@@ -35,41 +35,38 @@ namespace detail {
 
 inline constexpr double missed = std::numeric_limits<double>::infinity();
 
-/// The distance at which a ray enters a box, `ray.nearest` inside of it, or `missed`. It errs towards an early entry
-/// and a hit: the box is taken for a millionth larger than its coordinates say, because they are rounded to single
-/// precision.
-inline double entry_distance(const Ray& ray, glm::vec3 center, glm::vec3 half) {
-    constexpr float rounding = 0x1p-20f;
-    double enter = ray.nearest, leave = ray.farthest;
-    for (int i = 0; i < 3; ++i) {
-        const double reach = double(half[i]) + double(rounding * (std::abs(center[i]) + half[i]));
-        const double ahead = double(center[i]) - ray.origin[i], step = ray.direction[i];
-        if (step == 0) {
-            if (std::abs(ahead) > reach) return missed;
-            continue;
-        }
-        const double one = (ahead - reach) / step, other = (ahead + reach) / step;
-        enter = glm::max(enter, glm::min(one, other));
-        leave = glm::min(leave, glm::max(one, other));
-    }
-    // Far along a ray its own rounding counts as well.
-    return enter <= leave + std::abs(leave) * 0x1p-40 ? enter : missed;
-}
-
-/// Meets triangles along one ray. Triangles that share edges or corners leave no gap between them: corners are moved
-/// along the ray into a plane, each by itself, and the side of an edge on which the ray passes is told by comparing two
-/// products, of which rounding never makes the smaller one the larger (Woop, Benthin, Wald: Watertight Ray/Triangle
-/// Intersection, 2013, do the same in single precision, with a second try in double precision at 0).
-class TriangleMeeter {
+/// Meets boxes and triangles along one ray, with what is the same for all of them computed once.
+class RayMeeter {
   public:
-    explicit TriangleMeeter(const Ray& ray) : ray_(ray) {
+    explicit RayMeeter(const Ray& ray) : ray_(ray) {
         const glm::dvec3 size = glm::abs(ray.direction);
         along_ = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
         shear_ = glm::dvec2(ray.direction[first()], ray.direction[second()]) / ray.direction[along_];
+        // 1 / 0 would make 0 * infinity of what lies just beside; this makes 0, and infinities farther away.
+        constexpr double almost_none = std::numeric_limits<double>::min();
+        for (int i = 0; i < 3; ++i) inverse_[i] = 1 / (size[i] < almost_none ? almost_none : ray.direction[i]);
     }
 
-    /// The distance of the triangle, from either side, or `missed`. One that is seen edge on, or has no area, is
-    /// missed.
+    const Ray& ray() const { return ray_; }
+
+    /// The distance at which the ray enters a box, `nearest` inside of it, or `missed`. It errs towards an early entry
+    /// and a hit: boxes are taken for a millionth larger than their coordinates say, which are rounded to single
+    /// precision.
+    double entry_distance(glm::vec3 center, glm::vec3 half) const {
+        constexpr float rounding = 0x1p-20f;
+        const glm::dvec3 reach(half + rounding * (glm::abs(center) + half)), ahead = glm::dvec3(center) - ray_.origin;
+        const glm::dvec3 one = (ahead - reach) * inverse_, other = (ahead + reach) * inverse_;
+        const glm::dvec3 low = glm::min(one, other), high = glm::max(one, other);
+        const double enter = glm::max(glm::max(low.x, low.y), glm::max(low.z, ray_.nearest));
+        const double leave = glm::min(glm::min(high.x, high.y), glm::min(high.z, ray_.farthest));
+        return enter <= leave ? enter : missed;
+    }
+
+    /// The distance of a triangle, from either side, or `missed`. One that is seen edge on, or has no area, is missed.
+    /// Triangles that share edges or corners leave no gap between them: corners are moved along the ray into a plane,
+    /// each by itself, and the side of an edge on which the ray passes is told by comparing two products, of which
+    /// rounding never makes the smaller one the larger (Woop, Benthin, Wald: Watertight Ray/Triangle Intersection,
+    /// 2013, do the same in single precision, with a second try in double precision at 0).
     double distance_to(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) const {
         a -= ray_.origin;
         b -= ray_.origin;
@@ -97,6 +94,7 @@ class TriangleMeeter {
     Ray ray_;
     int along_ = 2;  ///< the axis along which the direction is longest
     glm::dvec2 shear_{0.0};
+    glm::dvec3 inverse_{1.0};
 };
 
 }  // namespace detail
