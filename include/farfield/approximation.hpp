@@ -160,7 +160,7 @@ concept BoundsError = requires(const A& a, const Cell& cell, unsigned levels, co
 
 /// covered_part() says which part of the cell's outline its contents cover, seen from the view; expected_rmse() what
 /// the picture errs by over the pixels of a cell so wide, of which so much is covered, if it stands in
-/// (view/wanted_error.hpp).
+/// (wanted_error.hpp).
 template <class A>
 concept ExpectsError = requires(const A& a, const typename A::stand_in_data& data, const Cell& cell,
                                 const LocalView& view) {

@@ -12,7 +12,7 @@
 #include "farfield/camera.hpp"
 #include "farfield/camera_from_matrices.hpp"
 #include "farfield/fail.hpp"
-#include "farfield/view/wanted_error.hpp"
+#include "farfield/wanted_error.hpp"
 
 namespace farfield {
 

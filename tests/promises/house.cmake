@@ -13,7 +13,7 @@ function(may_include room)
 endfunction()
 
 set(contracts approximation.hpp camera.hpp camera_from_matrices.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp missing_hooks.hpp partition.hpp
-              primitive.hpp renderer.hpp sampler.hpp view view.hpp)
+              primitive.hpp renderer.hpp sampler.hpp view view.hpp wanted_error.hpp)
 set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
 set(frame frame ${hierarchy})
 

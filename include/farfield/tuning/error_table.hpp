@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "farfield/fail.hpp"
-#include "farfield/view/wanted_error.hpp"
+#include "farfield/wanted_error.hpp"
 
 namespace farfield {
 

@@ -23,7 +23,7 @@
 #include "farfield/simd.hpp"
 #include "farfield/view.hpp"
 #include "farfield/view/frustum.hpp"
-#include "farfield/view/wanted_error.hpp"
+#include "farfield/wanted_error.hpp"
 
 namespace farfield {
 

@@ -1,4 +1,4 @@
-#include "farfield/view/wanted_error.hpp"
+#include "farfield/wanted_error.hpp"
 
 #include <vector>
 
