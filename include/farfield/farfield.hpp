@@ -10,6 +10,7 @@
 #include "farfield/approximation/image_cache.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/approximation/sample_set.hpp"
+#include "farfield/approximation/sided_tensor.hpp"
 #include "farfield/banded_viewer.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/measured_time.hpp"
