@@ -46,6 +46,7 @@
 #include "farfield/tuning/error_table.hpp"
 #include "farfield/tuning/error_table_file.hpp"
 #include "farfield/tuning/measure_error_table.hpp"
+#include "farfield/tuning/measure_frame_prices.hpp"
 #include "farfield/tuning/variants.hpp"
 #include "farfield/version.hpp"
 #include "farfield/viewer.hpp"

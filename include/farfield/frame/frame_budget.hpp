@@ -22,11 +22,11 @@
 #include <vector>
 
 #include "farfield/approximation.hpp"
-#include "farfield/cost_model/frame_prices.hpp"
 #include "farfield/drawables.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/frame/cell_tolerance.hpp"
 #include "farfield/frame/descent.hpp"
+#include "farfield/frame/frame_prices.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/length.hpp"

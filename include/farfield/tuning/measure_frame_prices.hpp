@@ -15,8 +15,8 @@
 #include <span>
 #include <vector>
 
-#include "farfield/cost_model/frame_prices.hpp"
 #include "farfield/frame/frame_budget.hpp"
+#include "farfield/frame/frame_prices.hpp"
 #include "farfield/view.hpp"
 
 namespace farfield {
