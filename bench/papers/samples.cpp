@@ -23,6 +23,7 @@
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/approximation/sample_set.hpp"
+#include "farfield/approximation/sided_tensor.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
@@ -235,6 +236,7 @@ void sheets() {
     row("splats", Splats{});
     row("splats of the mean color", Splats{.inner = {.samples = 0}});
     row("tensors", Tensors{});
+    row("tensors with a color a side", SampleSet<SidedTensor>{});
 }
 
 /// Cells where a frame stops in which some polygon is seen and none of these is drawn: the paper's wrong parts of an

@@ -310,8 +310,9 @@ Class class_of(Member Class::*);
 
 /// Stand-ins that become splats can wait until there are many, each as `words_placed` words (12 at most). place()
 /// writes word i to words[i * placed_stride]; draw_placed() draws `count` of them in order, may read what lies behind
-/// them in each row, and calls sink(Splat) as draw_stand_in() would. All must be of one class: who derives from an
-/// approximation and draws otherwise is not bypassed.
+/// them in each row, and calls sink(Splat) as draw_stand_in() would, or sink(Splat, i) with which of them it is, if the
+/// sink takes it. All must be of one class: who derives from an approximation and draws otherwise is not bypassed. One
+/// that cannot place all says places(view, splat_limit_px) -> bool.
 inline constexpr std::size_t placed_stride = 256, most_words_placed = 12;
 template <class A>
 concept DrawsPlaced = requires {

@@ -21,6 +21,7 @@
 #include "support/random.hpp"
 #include "support/recorder.hpp"
 #include "support/scenes.hpp"
+#include "support/views.hpp"
 
 using namespace farfield;
 using namespace farfield::test;
@@ -165,4 +166,29 @@ TEST_CASE("sample sets whose options make no sense are refused by name", "[appro
     CHECK(SampleSet<>{.c = NAN}.wrong_option() != nullptr);
     CHECK(std::string(SampleSet<>{.inner = {.samples = 9}}.wrong_option()).find("AreaSplat") == 0);
     CHECK(SampleSet<>{}.wrong_option() == nullptr);
+}
+
+namespace {
+/// The same, one at a time.
+struct OneByOne : SampleSet<OpacityTensor> {
+    template <class Sink>
+    void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
+        SampleSet<OpacityTensor>::draw_stand_in(data, cell, view, sink);
+    }
+};
+}  // namespace
+
+TEST_CASE("many stand-ins at once are drawn as one by one", "[approximation]") {
+    static_assert(detail::DrawsPlaced<SampleSet<OpacityTensor>>);
+    static_assert(!detail::DrawsPlaced<SampleSet<AreaSplat>>);
+    static_assert(!detail::DrawsPlaced<OneByOne>);
+    const Triangles triangles = leaves();
+    const Tensors h = build<Tensors>(triangles);
+    const auto one_by_one = build<SpatialHierarchy<Octree, OneByOne, TriangleCount>>(triangles);
+    for (const int samples : {1, 9}) {
+        for (const float tolerance : {1.0f, 3.0f}) {
+            const View view = looking({9, 4, 6}, {}, 128, tolerance);
+            CHECK(picture(h, triangles, view, samples) == picture(one_by_one, triangles, view, samples));
+        }
+    }
 }

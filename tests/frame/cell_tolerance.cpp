@@ -11,6 +11,7 @@
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/frame/frame_budget.hpp"
 #include "farfield/measure/flicker.hpp"
+#include "farfield/measure/image_error.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
@@ -97,11 +98,12 @@ TEST_CASE("budgets know a cell's own tolerance") {
 TEST_CASE("a fade changes pictures little from one frame to the next") {
     const Triangles triangles = random_triangles(20000, 181, 0.02f);
     const Cubes h = build<Cubes>(triangles);
-    ZBufferRenderer renderer({.samples = 16}), exact_renderer({.samples = 16});
-    auto viewer = make_viewer(h, triangles, renderer), exact = make_viewer(h, triangles, exact_renderer);
+    ZBufferRenderer renderer({.samples = 16});
+    auto viewer = make_viewer(h, triangles, renderer);
     Selection<Cubes, Triangle> selection;
+    // What changes beside the camera: the same frame, by the cut of the last one.
     const auto largest_pop = [&](float fade) {
-        Flicker flicker;
+        double largest = 0;
         for (int i = 0; i < 150; ++i) {
             View view = jittered(40 * std::pow(6, i / 150.0), 0);
             view.fade = fade;
@@ -110,11 +112,11 @@ TEST_CASE("a fade changes pictures little from one frame to the next") {
             viewer.select(view, selection);
             viewer.draw(selection);
             CHECK(renderer.image() == at_once);
-            view.tolerance_px = 0;
-            exact.frame(view);
-            flicker.add(renderer.image(), exact_renderer.image());
+            view.tolerance_px /= float(std::pow(6, 1 / 150.0));
+            viewer.frame(view);
+            largest = std::max(largest, mse(renderer.image(), at_once));
         }
-        return flicker.largest_pop_rms();
+        return std::sqrt(largest);
     };
     CHECK(largest_pop(0.5f) < 0.6 * largest_pop(0));
 }

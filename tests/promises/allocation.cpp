@@ -9,6 +9,7 @@
 #include "farfield/approximation/exact.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/frame/frame_budget.hpp"
 #include "farfield/merged_viewer.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
@@ -175,6 +176,26 @@ TEST_CASE("replayed stand-ins do not allocate either") {
     }();
     CHECK(before == of_path);
     CHECK(renderer.faces > 1000);
+}
+
+TEST_CASE("frames within a budget do not allocate") {
+    using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
+    const Triangles triangles = random_triangles(8000, 122, 0.02f);
+    const Cubes h = build<Cubes>(triangles);
+    const std::vector<View> views = path();
+    ZBufferRenderer renderer;
+    auto viewer = make_viewer(h, triangles, renderer);
+    Refinement refinement;
+    const auto draw_all = [&] {
+        for (const View& view : views) {
+            viewer.frame(view, FrameBudget{.prices = FramePrices::of_primitives(), .most = 2000}, refinement);
+        }
+    };
+    draw_all();
+    draw_all();
+    const std::size_t before = allocations().count;
+    draw_all();
+    CHECK(allocations().count == before);
 }
 
 TEST_CASE("frames of masks do not allocate, those of moving bodies neither") {

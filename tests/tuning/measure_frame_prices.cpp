@@ -47,7 +47,7 @@ TEST_CASE("prices are raised until hardly a frame takes more than was said") {
     frames[3].time *= 1.3;
     frames[4].time *= 1.5;
     for (std::size_t i = 10; i < 60; ++i) frames[i].time *= 1.1;
-    const FramePrices found = fitted_frame_prices(frames, {.part_within = 0.9});
+    const FramePrices found = fitted_frame_prices(frames, {.part_within = 0.9, .most_over = 1.2});
     int above = 0;
     for (const MeasuredFrame& f : frames) {
         CHECK(f.time <= 1.2001 * found.cost(f.work));

@@ -172,17 +172,21 @@ struct OpacityTensor {
         for (std::size_t first = 0; first < count; first += kernel.lanes) {
             const std::size_t n = std::min(kernel.lanes, count - first);
             if (!kernel.splats_of(words + first, n, view, options, out)) {
-                for (std::size_t i = first; i < first + n; ++i) draw_one_placed(words + i, view, sink);
+                for (std::size_t i = first; i < first + n; ++i) {
+                    draw_one_placed(words + i, view, [&](const Splat& splat) { send(sink, splat, i); });
+                }
                 continue;
             }
             for (std::size_t i = 0; i < n; ++i) {
                 if (out.is_drawn[i] == 0) continue;
                 const std::uint32_t rgb = out.rgb[i];
-                sink(Splat{
-                    {out.x[i], out.y[i], out.z[i]},
-                    {out.width[i], out.height[i]},
-                    out.opacity[i],
-                    {std::uint8_t(rgb), std::uint8_t(rgb >> 8), std::uint8_t(rgb >> 16), std::uint8_t(rgb >> 24)}});
+                send(sink,
+                     Splat{
+                         {out.x[i], out.y[i], out.z[i]},
+                         {out.width[i], out.height[i]},
+                         out.opacity[i],
+                         {std::uint8_t(rgb), std::uint8_t(rgb >> 8), std::uint8_t(rgb >> 16), std::uint8_t(rgb >> 24)}},
+                     first + i);
             }
         }
     }
@@ -214,6 +218,15 @@ struct OpacityTensor {
         const glm::vec3 rgb = seen.rgb + 0.5f;
         sink(Splat{center, size * unit, std::min(gain * part, 1.0f),
                    Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});
+    }
+
+    template <class Sink>
+    static void send(Sink&& sink, const Splat& splat, std::size_t i) {
+        if constexpr (requires { sink(splat, i); }) {
+            sink(splat, i);
+        } else {
+            sink(splat);
+        }
     }
 
     template <class Sink>

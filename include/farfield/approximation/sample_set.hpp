@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -120,6 +121,31 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         } else {
             inner.draw_stand_in(data.inner, cell, view, rest);
         }
+    }
+
+    // Many at once: see DrawsPlaced in approximation.hpp.
+
+    static constexpr std::size_t words_placed = [] {
+        if constexpr (detail::DrawsPlaced<Inner>) return Inner::words_placed + 1;
+        return std::size_t(0);
+    }();
+    /// Not those that are drawn with samples.
+    bool places(const LocalView& view, float splat_limit_px) const {
+        return !(draws_samples(view) && splat_limit_px < 1);
+    }
+    void place(const stand_in_data& data, const Cell& cell, std::uint32_t* words) const
+        requires(detail::DrawsPlaced<Inner>) {
+        inner.place(data.inner, cell, words);
+        words[Inner::words_placed * detail::placed_stride] = data.left;
+    }
+    template <class Sink>
+    void draw_placed(const std::uint32_t* words, std::size_t count, const LocalView& view, Sink&& sink) const
+        requires(detail::DrawsPlaced<Inner>) {
+        const std::uint32_t* const left = words + Inner::words_placed * detail::placed_stride;
+        inner.draw_placed(words, count, view, [&](const Splat& splat, std::size_t i) {
+            if (left[i] == 0) return;
+            Rest<std::remove_reference_t<Sink>>{sink, 0, 1 - float(left[i]) / 65535}(splat);
+        });
     }
 
     template <class Sink>

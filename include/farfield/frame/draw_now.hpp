@@ -65,9 +65,13 @@ class DrawNow {
         const auto& h = v.hierarchy;
         using A = typename V::hierarchy_type::approximation_type;
         if constexpr (DrawsPlaced<A> && std::is_same_v<Tint, AsTheyAre>) {
-            if (queue_.splat_limit_px() > 0 && weight == 1) {
-                const auto& data = h.stand_ins()[subtree.stand_in];
-                return queue_.add_placed(v.source, v.view, h.approximation_policy(), data, subtree.cell);
+            const A& policy = h.approximation_policy();
+            bool is_placed = queue_.splat_limit_px() > 0 && weight == 1;
+            if constexpr (requires { policy.places(v.view, 0.0f); }) {
+                is_placed = is_placed && policy.places(v.view, queue_.splat_limit_px());
+            }
+            if (is_placed) {
+                return queue_.add_placed(v.source, v.view, policy, h.stand_ins()[subtree.stand_in], subtree.cell);
             }
         }
         const StandInSink<V> sink{*this, v, subtree, queue_.splat_limit_px(), weight};

@@ -22,11 +22,11 @@
 #include <vector>
 
 #include "farfield/approximation.hpp"
-#include "farfield/cost_model/frame_prices.hpp"
 #include "farfield/drawables.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/frame/cell_tolerance.hpp"
 #include "farfield/frame/descent.hpp"
+#include "farfield/frame/frame_prices.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/length.hpp"
@@ -282,7 +282,7 @@ class Refinement {
     /// The same in counts.
     const FrameWork& work() const { return work_; }
     /// All of the view is within its tolerance.
-    bool is_complete() const { return steps_.empty() && beyond_.empty(); }
+    bool is_complete() const { return !contexts_.empty() && steps_.empty() && beyond_.empty(); }
 
     /// For Viewer: opens cells of a view until the budget is spent. Stand-ins are drawn by splats where the limit is
     /// above 0. Throws std::invalid_argument for a budget or a

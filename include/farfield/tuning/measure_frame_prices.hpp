@@ -15,8 +15,8 @@
 #include <span>
 #include <vector>
 
-#include "farfield/cost_model/frame_prices.hpp"
 #include "farfield/frame/frame_budget.hpp"
+#include "farfield/frame/frame_prices.hpp"
 #include "farfield/view.hpp"
 
 namespace farfield {
@@ -26,8 +26,8 @@ struct FramePriceOptions {
     int repetitions = 5;    ///< of each frame; the shortest counts
     /// Prices are raised until this part of the frames that were measured takes no more than it is said to, and until
     /// none takes more than `most_over` times that.
-    double part_within = 0.95;
-    double most_over = 1.2;
+    double part_within = 0.98;
+    double most_over = 1.1;
     double (*clock)() = [] {
         return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch()).count();
     };  ///< nanoseconds
