@@ -229,7 +229,12 @@ class Table {
 std::string number(double v) {
     char text[32];
     const double size = std::abs(v);
-    std::snprintf(text, sizeof text, size >= 100 ? "%.0f" : size >= 10 ? "%.1f" : size >= 1 ? "%.2f" : "%.2g", v);
+    std::snprintf(text, sizeof text,
+                  size >= 100 || v == std::floor(v) ? "%.0f"
+                  : size >= 10                      ? "%.1f"
+                  : size >= 1                       ? "%.2f"
+                                                    : "%.2g",
+                  v);
     return text;
 }
 /// Bold is what misses.

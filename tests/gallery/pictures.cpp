@@ -130,14 +130,13 @@ TEST_CASE("gallery: without tolerance no background shows through a closed surfa
             for (const Seen& seen : from) {
                 INFO(subject.name << ": " << variant.name << ", from " << glm::length(seen.view.camera.eye));
                 const Image image = h->picture(seen.view);
+                // Two images that end in the same pixel are blended, as if what each leaves of it were elsewhere: at a
+                // seam a part of the background shows, and where it opens more than that.
+                const int least = is_told_by_view(variant) ? 255 : 128;
                 std::size_t torn = 0;
-                for (const auto& [x, y] : seen.inside) torn += image.at(x, y).a != 255;
+                for (const auto& [x, y] : seen.inside) torn += image.at(x, y).a < least;
                 CHECK(seen.inside.size() > 20);
                 // Where an edge is cut for one of its neighbors only, both are snapped to 1/256 sample by themselves.
-                if (!is_told_by_view(variant)) {
-                    CHECK(torn <= seen.inside.size() / 100);
-                    continue;
-                }
                 CHECK(torn <= (variant.is_clipped ? seen.inside.size() / 200 : 0));
             }
         }
