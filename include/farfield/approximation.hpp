@@ -227,9 +227,17 @@ struct ImageCacheOptions {
     std::uint32_t least_items = 1024;
     std::uint64_t budget_bytes = std::uint64_t(64) << 20;  ///< of all images of one viewer; never exceeded
     std::uint32_t most_made = 4096;                        ///< images a frame; other cells are drawn as they are
+    /// The most work of making images in a frame, in the unit of the cost model: what a frame may take on top of what
+    /// it draws, however many images run out at once.
+    float most_making = std::numeric_limits<float>::max();
     /// The work of making images may exceed that of drawing what they show, in a frame, by this part of the frame's
     /// work: an image shows all of a cell where the picture shows a part.
     float most_overhead = 0.25f;
+    /// How far the eye moves in a frame at most, in world units, and by how much that may grow from one frame to the
+    /// next. With a speed above 0 images are made only if they pay whatever the viewer does within these bounds (Shade
+    /// et al. 1996, section 3); 0: the last motion is taken to go on, or the path to be the one that the viewer was
+    /// told.
+    float most_speed = 0, most_acceleration = 0;
     /// Texels are at most so many times larger, or smaller, than pixels.
     float most_magnified = 1.3f, most_minified = 1.7f;
 
@@ -240,6 +248,9 @@ struct ImageCacheOptions {
         if (slices < 1 || slices > most_slices) return "ImageCache: slices must be 1 to 8";
         if (samples < 1) return "ImageCache: samples must be 1 or more";
         if (!is_number(most_overhead)) return "ImageCache: most_overhead must be 0 or more and finite";
+        if (!is_number(most_making)) return "ImageCache: most_making must be 0 or more and finite";
+        if (!is_number(most_speed) || !is_number(most_acceleration))
+            return "ImageCache: most_speed and most_acceleration must be 0 or more and finite";
         if (!(most_magnified >= 1 && most_minified >= 1))
             return "ImageCache: most_magnified and most_minified must be 1 or more";
         return nullptr;

@@ -189,7 +189,6 @@ class ImageChooser {
         // "If the dimensions of the rectangle exceed those of the viewport, no image is cached."
         if (!rect || rect->width > view.part.whole_width || rect->height > view.part.whole_height) return false;
         const float making_whole = whole / visible_part(view, *rect);
-        LocalView later = view;
         float best = contents, making = 0;
         int slices = 0;
         // Slices are worth their texels only where one rectangle is soon wrong.
@@ -197,13 +196,7 @@ class ImageChooser {
             const CellImage planned = planned_image(view, cell.bounds_center, cell.bounds_half, *rect, n);
             const float drawing = price_of_drawing(v, planned);
             if (!(drawing < best)) continue;
-            const std::uint32_t lives =
-                1 + life_span(ExpectedPath::farthest, [&](std::uint32_t k) {
-                    const glm::vec3 moved = path_.after(k);
-                    later.eye =
-                        view.eye + (view.right * moved.x + view.up * moved.y + view.forward * moved.z) / view.scale;
-                    return is_good(planned, later, options_);
-                });
+            const std::uint32_t lives = 1 + frames_good(planned, view);
             const float amortized = making_whole * making_factor(n) / float(lives) + drawing;
             if (!(amortized < best)) continue;
             best = amortized;
@@ -225,6 +218,21 @@ class ImageChooser {
                            .making_price = making,
                            .draw = &draw_wanted<V>});
         return true;
+    }
+
+    /// The number of frames to come in which an image serves.
+    std::uint32_t frames_good(CellImage image, const LocalView& view) const {
+        if (options_.most_speed > 0 && view.is_perspective) {
+            set_safety_zone(image, view, options_);
+            return frames_within(image.safe_radius * view.scale, options_.most_speed, options_.most_acceleration,
+                                 ExpectedPath::farthest);
+        }
+        LocalView later = view;
+        return life_span(ExpectedPath::farthest, [&](std::uint32_t k) {
+            const glm::vec3 moved = path_.after(k);
+            later.eye = view.eye + (view.right * moved.x + view.up * moved.y + view.forward * moved.z) / view.scale;
+            return is_good(image, later, options_);
+        });
     }
 
     /// The part of a rectangle that lies in the picture; above 0.

@@ -137,12 +137,14 @@ class ImageMaker {
         Descent<R, ImageChooser<ImageMaker>> descent(sources_, instances, stats_, chooser, deposits);
         descent.enter(hierarchy, primitives, view, 0);
         float overhead = options.most_overhead * chooser.price();
+        float making = options.most_making;
         std::size_t made = 0;
         for (const WantedImage<ImageMaker>& wanted : wanted_) {
             const float more = std::max(0.0f, wanted.making_price - wanted.contents_price);
-            if (made == options.most_made || more > overhead) continue;
+            if (made == options.most_made || more > overhead || wanted.making_price > making) continue;
             if (!make(wanted)) continue;
             overhead -= more;
+            making -= wanted.making_price;
             ++made;
         }
         return made;
