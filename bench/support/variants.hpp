@@ -57,13 +57,12 @@ inline auto strict_variants() {
 /// Those of Shade et al. 1996: planes in gaps, alone and with images of what a viewer drew in the frames before.
 inline auto image_variants() {
     const std::tuple gaps{Named{"", GapBsp{}}};
-    return std::tuple_cat(
-        variants_of(std::tuple{Named{"gap-bsp", GapBsp{}}}, std::tuple{Named{"", Exact{}}},
-                    std::tuple{Named{"", TriangleCount{}}}),
-        variants_of(gaps,
-                    std::tuple{Named{"image-cache", ImageCache<Exact>{}},
-                               Named{"image-cache-lod", ImageCache<OpacityTensor>{}}},
-                    std::tuple{Named{"", MeasuredTime{}}}));
+    return std::tuple_cat(variants_of(std::tuple{Named{"gap-bsp", GapBsp{}}}, std::tuple{Named{"", Exact{}}},
+                                      std::tuple{Named{"", TriangleCount{}}}),
+                          variants_of(gaps,
+                                      std::tuple{Named{"image-cache", ImageCache<Exact>{}},
+                                                 Named{"image-cache-lod", ImageCache<OpacityTensor>{}}},
+                                      std::tuple{Named{"", MeasuredTime{}}}));
 }
 
 /// Whether experiments draw it with coverage masks, too: the gain from hiding what is hidden and from 64 samples a

@@ -4,7 +4,7 @@
 // and on how much of its cell it covers: a stand-in of twigs is all but right where that of a wall is not. Whoever
 // makes stand-ins knows both, so it says what to expect, in the same words for all approximations: the root mean square
 // error of channels in [0, 1], coverage's among them, over the pixels that the cell's box takes, if nothing lies before
-// it or behind it. bench/accuracy/stored_error.cpp measures it, over cells and directions, and what comes of it.
+// it or behind it. bench/accuracy/wanted_error.cpp measures it, over cells and directions, and what comes of it.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -25,11 +25,13 @@ struct WantedError {
     static constexpr WantedError any() { return {.rmse = std::numeric_limits<double>::infinity()}; }
     bool is_any() const { return rmse && std::isinf(*rmse); }
     bool is_point_sampling() const { return !rmse; }
+
+    friend bool operator==(const WantedError&, const WantedError&) = default;
 };
 
 /// What point sampling errs by over a cell that is `side_px` wide and of which its contents cover a part: edges, of
 /// which there are the fewer in a pixel the larger things are. A sum over samples that do not depend on one another
-/// errs less by the root of their number. Constants are fitted (bench/accuracy/stored_error.cpp); roots are all that is
+/// errs less by the root of their number. Constants are fitted (bench/accuracy/wanted_error.cpp); roots are all that is
 /// taken, as no two machines round powers alike.
 inline float point_sampling_rmse(float side_px, float covered, int samples) {
     const float side = std::sqrt(float(samples)), eighth_root = std::sqrt(std::sqrt(std::sqrt(covered)));

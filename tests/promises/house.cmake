@@ -89,7 +89,7 @@ tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/t
           raster/triangles/triangle_painter raster/triangles/triangle_runs raster/triangles/triangle_stream
           raster/triangles/triangle_triage)
 tested_by(renderer/z_buffer_renderer raster/samples/depth_tested_fill raster/samples/far_deposits
-          raster/samples/z_buffer_canvas)
+          raster/samples/sliced_buffers raster/samples/z_buffer_canvas)
 tested_by(tuning/advise tuning/variants)
 tested_by(view camera)
 tested_by(voxel/voxel_pyramid voxel/voxel_masks)

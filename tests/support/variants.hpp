@@ -31,8 +31,8 @@ class AnyViewer {
 
     bool caches_images = false;
 
-    /// A frame. Where images are kept, some frames on the way come before it, so that they are drawn from where they were
-    /// not made.
+    /// A frame. Where images are kept, some frames on the way come before it, so that they are drawn from where they
+    /// were not made.
     FrameStats arrive(const View& view, int frames_before = 3) {
         for (int i = caches_images ? frames_before : 0; i > 0; --i) {
             View before = view;
