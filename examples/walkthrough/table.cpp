@@ -153,7 +153,9 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
             return std::count_if(r.frame_ms.begin(), r.frame_ms.end(), [&](double ms) { return ms > limit; });
         };
         out << "Of " << r.frame_ms.size() << " frames of " << r.name << ", " << above(*options.budget_ms)
-            << " took longer than the budget, " << above(1.2 * *options.budget_ms) << " longer than 1.2 times it.\n";
+            << " took longer than the budget, " << above(1.2 * *options.budget_ms) << " longer than 1.2 times it"
+            << (options.distance ? ": the view stands still, and each frame of it is finer than the last" : "")
+            << ".\n";
     }
     for (const Result& r : results) {
         if (r.build.cells_over_piece_budget == 0) continue;

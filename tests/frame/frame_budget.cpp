@@ -228,6 +228,20 @@ TEST_CASE("a viewer draws at once what it would select within a budget") {
     CHECK(refinement.is_complete());
 }
 
+TEST_CASE("something is seen from inside, however small the budget") {
+    const Triangles triangles = random_triangles(4000, 182, 0.1f);
+    const Cubes h = build<Cubes>(triangles);
+    ZBufferRenderer renderer;
+    auto viewer = make_viewer(h, triangles, renderer);
+    Refinement refinement;
+    for (const glm::dvec3& eye : {glm::dvec3(0.01), glm::dvec3(0.3, 0.2, -0.4)}) {
+        viewer.frame(looking(eye, eye + glm::dvec3(1, 0.1, 0.2), 64, 0), FrameBudget{.most = 0}, refinement);
+        int covered = 0;
+        for (const Rgba8 c : renderer.image().pixels()) covered += c.a != 0;
+        CHECK(covered > 64 * 64 / 8);
+    }
+}
+
 TEST_CASE("budgets that are none are refused") {
     const Triangles triangles = mixed_triangles(20, 177);
     const Cubes h = build<Cubes>(triangles);

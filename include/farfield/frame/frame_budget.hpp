@@ -457,6 +457,12 @@ class Refinement {
                 const detail::CoverageSink sink{v.view, drawn_px, splat_limit_px_};
                 detail::draw_stand_in(approximation, data, v.hierarchy.pool(), subtree.cell, v.view, sink);
             }
+            // From inside, cubes and splats show nothing, which would be the cheapest picture of all. A cell that is
+            // not drawn after all, since none above it is opened, does no harm here.
+            if (drawn_px == 0 && px > 64 && v.view.is_perspective && v.view.distance_to(subtree.cell) == 0) {
+                opened_.add(detail::mixed(v.path, subtree.node));
+                return open(v, context, subtree);
+            }
             const FrameWork work = detail::work_of_drawing(approximation, data, drawn_px);
             more_ += work;
             const float error = approximation.error_px(data, subtree.cell, v.view) *
