@@ -210,7 +210,7 @@ TEST_CASE("where another axis is up, light comes from above and from the same si
     const auto in_file = [](glm::vec3 p, glm::vec3 up) {
         if (up.z == 1) return glm::vec3(p.x, -p.z, p.y);
         if (up.z == -1) return glm::vec3(p.x, p.z, -p.y);
-        if (up.x == 1) return glm::vec3(p.y, p.z, p.x);
+        if (up.x == 1) return glm::vec3(p.y, p.x, -p.z);
         return p;
     };
     const auto text = [&](const std::vector<glm::vec3>& points, glm::vec3 up) {
