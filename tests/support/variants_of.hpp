@@ -90,15 +90,11 @@ class HierarchyOver final : public AnyHierarchy {
         return out;
     }
     std::unique_ptr<AnyHierarchy> stored() const override {
-        static_assert(Storable<H> != caches_images<H>, "every variant that the library offers can be saved");
-        if constexpr (Storable<H>) {
-            auto bytes = std::make_shared<std::vector<std::byte>>(saved_size(hierarchy_));
-            save(hierarchy_, std::span(*bytes));
-            const std::span<const std::byte> saved(*bytes);
-            return std::make_unique<HierarchyOver>(open<H>(saved, {}, bytes), triangles_);
-        } else {
-            return nullptr;
-        }
+        static_assert(Storable<H>, "every variant that the library offers can be saved");
+        auto bytes = std::make_shared<std::vector<std::byte>>(saved_size(hierarchy_));
+        save(hierarchy_, std::span(*bytes));
+        const std::span<const std::byte> saved(*bytes);
+        return std::make_unique<HierarchyOver>(open<H>(saved, {}, bytes), triangles_);
     }
     std::unique_ptr<AnyViewer> viewer(ZBufferRenderer& r) const override {
         return std::make_unique<ViewerOf<ZBufferRenderer>>(hierarchy_, triangles_, r);
