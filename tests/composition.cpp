@@ -125,6 +125,9 @@ struct CubeWithoutPolygons : ColorCube {
 struct CubeWithMisspeltLaw : ColorCube {
     void area_law() const {}
 };
+struct CubeWithMisspeltExpectation : ColorCube {
+    void expected_rmse() const {}
+};
 struct CubeWithNumberForLaw : ColorCube {
     float area_law(const stand_in_data&) const { return 0.5f; }
 };
@@ -180,6 +183,7 @@ static_assert(!Approximation<CubeWithMisspeltLaw> && !Approximation<CubeWithNumb
               !Approximation<LawWithoutStandIns>);
 static_assert(ProvidesAreaLaw<ColorCube> && !ProvidesAreaLaw<ColorCubeCluster<4>> && !ProvidesAreaLaw<Exact> &&
               detail::ProvidesAreaLawIfStated<Exact> && !detail::ProvidesAreaLawIfStated<CubeWithMisspeltLaw>);
+static_assert(ExpectsError<ColorCube> && !ExpectsError<Exact> && !Approximation<CubeWithMisspeltExpectation>);
 static_assert(Approximation<CubeThatDoesNotSay>, "without the flag the hook is not missed");
 static_assert(!Approximation<PoolWithoutElement> && !Approximation<OwnsMemory> && !Approximation<Octree> &&
               !Approximation<int>);

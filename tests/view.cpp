@@ -108,6 +108,10 @@ TEST_CASE("a field that makes no picture is refused by its name") {
         CHECK(refused([&](View& v) { v.width = bad; }) == view + "width must be 1 or more");
         CHECK(refused([&](View& v) { v.height = bad; }) == view + "height must be 1 or more");
     }
+    for (const double bad : {-0.1, std::numeric_limits<double>::quiet_NaN()}) {
+        CHECK(refused([&](View& v) { v.wanted.rmse = bad; }) == view + "a wanted error must be 0 or more");
+    }
+    CHECK(refused([](View& v) { v.wanted.samples = 0; }) == view + "wanted samples must be 1 or more");
     CHECK(refused([&](View& v) { v.distance = DistanceMeasure(9); }) ==
           view + "distance must be nearest_point or depth");
     CHECK(refused([](View& v) {

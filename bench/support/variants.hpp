@@ -11,9 +11,12 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/image_cache.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/approximation/sample_set.hpp"
+#include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/partition/gap_bsp.hpp"
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
@@ -49,6 +52,17 @@ inline auto variants() {
 inline auto strict_variants() {
     return variants_of(std::tuple{Named{"bsp", PolygonBsp{}}, Named{"octree-of-bsps", Nested<Octree, PolygonBsp>{}}},
                        std::tuple{Named{"", Exact{}}}, std::tuple{Named{"", TriangleCount{}}});
+}
+
+/// Those of Shade et al. 1996: planes in gaps, alone and with images of what a viewer drew in the frames before.
+inline auto image_variants() {
+    const std::tuple gaps{Named{"", GapBsp{}}};
+    return std::tuple_cat(variants_of(std::tuple{Named{"gap-bsp", GapBsp{}}}, std::tuple{Named{"", Exact{}}},
+                                      std::tuple{Named{"", TriangleCount{}}}),
+                          variants_of(gaps,
+                                      std::tuple{Named{"image-cache", ImageCache<Exact>{}},
+                                                 Named{"image-cache-lod", ImageCache<OpacityTensor>{}}},
+                                      std::tuple{Named{"", MeasuredTime{}}}));
 }
 
 /// Whether experiments draw it with coverage masks, too: the gain from hiding what is hidden and from 64 samples a

@@ -38,6 +38,9 @@ class SceneViewer {
         frame(view);
         return image();
     }
+    /// What the last frame drew, from outside, where RendererChoice::looks_on and cells were drawn by images (Shade et
+    /// al. 1996, figure 3(c)); null of others.
+    virtual const Image* from_outside() { return nullptr; }
     /// The last frame; premultiplied, coverage in alpha.
     virtual const Image& image() const = 0;
     /// Of the last frame: of coverage masks, null of others.

@@ -23,6 +23,7 @@ constexpr Entry catalog[] = {
     {"tree", [] { return tree(); }},
     {"molecule", [] { return molecule(); }},
     {"island", [] { return island(); }},
+    {"shade-island", [] { return island(shade_island); }},
     {"forest", [] { return expanded(forest(ForestOptions{})); }},
     {"forest-instanced", [] { return forest(20); }},
     {"quadrupled-forest", [] { return quadrupled_forest(); }},

@@ -14,6 +14,7 @@ namespace farfield::scenes {
 ///     tree                    52,470 triangles, one group
 ///     molecule             5,227,200 triangles, one group
 ///     island               3,642,224 triangles, 480 placements of 4 trees
+///     shade-island        40,600,318 triangles, 1,117 placements of one tree
 ///     forest               1,049,440 triangles, one group: 20 trees expanded
 ///     forest-instanced    20,988,800 triangles, 400 placements of one tree
 ///     quadrupled-forest  859,701,248 triangles, 16,384 trees by 7 levels of 4 placements

@@ -19,6 +19,13 @@ struct Light {
     glm::vec3 ground{0.16f, 0.15f, 0.11f};
 };
 
+/// A direction of a scene in which another axis is up, as it is where y is. A half of a turn or a quarter.
+inline glm::vec3 with_y_up(glm::vec3 direction, glm::vec3 up) {
+    const glm::vec3 other = std::abs(up.x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+    const glm::vec3 front = glm::cross(other, up), right = glm::cross(up, front);
+    return {glm::dot(direction, right), glm::dot(direction, up), glm::dot(direction, front)};
+}
+
 /// Diffuse reflection, linear. `sun_seen` and `sky_seen` in [0, 1] are the unshadowed parts.
 inline glm::vec3 lit(const Light& light, glm::vec3 albedo, glm::vec3 normal, float sun_seen, float sky_seen) {
     const float facing = std::max(0.0f, glm::dot(normal, light.to_sun));

@@ -114,7 +114,8 @@ class PlacedScene final : public BuiltScene {
             viewer_.select(view, selection_);
             return scenes::how_drawn(viewer_, selection_, [this]() -> const Image& { return image(); });
         }
-        const Image& image() const override { return renderer_.any().image(); }
+        const Image* from_outside() override { return renderer_.any().from_outside(); }
+        const Image& image() const override { return renderer_.image(); }
         const CoverageWork* work() const override { return renderer_.any().work(); }
         const CoverageWorkImage* work_map() const override { return renderer_.any().work_map(); }
 

@@ -177,8 +177,9 @@ Flight plan_flight(const Setting& setting, const Options& options) {
     const glm::vec3 size = in_units(setting.bounds, frame).size();
     const glm::vec3 absolute_up = glm::abs(frame.up);
     const float tall = glm::dot(size, absolute_up), wide = glm::dot(size, (glm::vec3(1) - absolute_up) * 0.5f);
-    flight.cameras =
-        wide > 2 * tall ? fly_over(setting, frame, options.frames) : fly_around(setting, frame, options.frames);
+    flight.cameras = setting.path      ? setting.path(options.frames)
+                     : wide > 2 * tall ? fly_over(setting, frame, options.frames)
+                                       : fly_around(setting, frame, options.frames);
     const int pictures = std::min(options.frames, 8);
     for (int i = 0; i < pictures; ++i) {
         flight.quality_frames.push_back(int(std::int64_t(i) * options.frames / pictures));

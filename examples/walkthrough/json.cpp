@@ -60,6 +60,7 @@ Json json_of(const Result& r, const Options& options) {
             {"drawn",
              {{"primitives", r.drawn.primitives},
               {"approximations", r.drawn.approximations},
+              {"images", r.drawn.images},
               {"by_level", r.drawn.approximations_by_level}}},
             {"cells_visited", r.drawn.cells_visited},
             {"working_set_bytes", r.drawn.touched_bytes},

@@ -35,7 +35,7 @@ void check_writable(const walkthrough::Options& options) {
 
 void walk(const walkthrough::Options& options) {
     using namespace walkthrough;
-    const Setting setting = make_setting(options.scene);
+    const Setting setting = make_setting(options.scene, options.up);
     check_writable(options);
     std::vector<Result> results;
     try {

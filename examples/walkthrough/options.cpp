@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "scenes/catalog.hpp"
+#include "scenes/generate/island.hpp"
 #include "variants.hpp"
 
 namespace walkthrough {
@@ -86,6 +87,17 @@ std::vector<std::string> parse_variants(const std::string& names, RendererKind r
     return result;
 }
 
+glm::vec3 parse_up(const std::string& text) {
+    const bool is_negative = text.size() == 2 && text[0] == '-';
+    const std::size_t axis = std::string_view("xyz").find(is_negative ? text[1] : text.empty() ? '?' : text[0]);
+    if (axis == std::string_view::npos || (text.size() != 1 && !is_negative)) {
+        throw UsageError("--up must be x, y, z, -x, -y or -z, not " + in_quotes(text));
+    }
+    glm::vec3 up(0);
+    up[int(axis)] = is_negative ? -1.0f : 1.0f;
+    return up;
+}
+
 void parse_size(std::string_view text, Options& options) {
     const char* const end = text.data() + text.size();
     const auto width = std::from_chars(text.data(), end, options.width);
@@ -157,13 +169,17 @@ void check_numbers(const Options& options) {
 
 std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer) {
     Options options;
-    std::string variant_names = "color-cube", renderer = "z-buffer", wanted_error = "point-sampling", size, out, json;
+    std::string variant_names = "color-cube", renderer = "z-buffer", wanted_error = "point-sampling", up, size, out,
+                json;
     double budget_ms = 0, distance = 0;
     bool wants_list = false;
 
     CLI::App app("Draws a scene exactly and with far fields, and says what that costs and gains.", "walkthrough");
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("--scene", options.scene, "name of a generated scene, or a file")->type_name("NAME|FILE");
+    const auto* const up_option =
+        app.add_option("--up", up, "what is up in the file: x, y (if nothing is said), z, or one of them with -")
+            ->type_name("AXIS");
     app.add_option("--variant", variant_names, "names with commas between them, or all; exact always comes first")
         ->type_name("NAME[,NAME...]");
     app.add_option("--renderer", renderer, "what draws: z-buffer, coverage, hierarchical-z or painter")
@@ -173,7 +189,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         ->type_name("N");
     app.add_option("--threads", options.threads, "that draw a frame, in bands of its rows (default 1)")->type_name("N");
     app.add_option("--size", size, "of the images in pixels (default 640x360)")->type_name("WxH");
-    app.add_option("--frames", options.frames, "how many (default 48 on a flight, 21 from one place)")->type_name("N");
+    app.add_option("--frames", options.frames,
+                   "how many (default 48 on a flight, 1200 over shade-island, 21 from one place)")
+        ->type_name("N");
     const auto* const distance_option =
         app.add_option("--distance", distance, "look at the scene's center from D times its radius; else fly through")
             ->type_name("D");
@@ -222,10 +240,13 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         options.error.reset();
         options.budget_ms = budget_ms;
     }
+    if (up_option->count() != 0) options.up = parse_up(up);
     if (!size.empty()) parse_size(size, options);
     if (distance_option->count() != 0) options.distance = distance;
     if (app.get_option("--frames")->count() == 0) {
-        options.frames = options.distance ? frames_of_a_fixed_view : frames_of_a_flight;
+        options.frames = options.distance                  ? frames_of_a_fixed_view
+                         : options.scene == "shade-island" ? farfield::scenes::frames_of_island_walk
+                                                           : frames_of_a_flight;
     }
     if (!out.empty()) options.out_directory = out;
     if (!json.empty()) options.json_file = json;

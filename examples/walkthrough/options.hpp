@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -19,6 +20,7 @@ struct UsageError : std::runtime_error {
 
 struct Options {
     std::string scene = "tree";         ///< a name of the catalog, or a file
+    std::optional<glm::vec3> up;        ///< of a file; none: y
     std::vector<std::string> variants;  ///< known names, each once, exact first
     /// Of the frames that are timed. It draws all variants but exact, which the z-buffer draws where it cannot.
     farfield::scenes::RendererKind renderer = farfield::scenes::RendererKind::z_buffer;

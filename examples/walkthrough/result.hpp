@@ -18,7 +18,7 @@ namespace walkthrough {
 
 /// Means over all frames.
 struct Drawn {
-    double primitives = 0, approximations = 0, cells_visited = 0, touched_bytes = 0;
+    double primitives = 0, approximations = 0, images = 0, cells_visited = 0, touched_bytes = 0;
     std::vector<double> approximations_by_level;  ///< up to the last that is not 0
 };
 

@@ -141,6 +141,7 @@ class Run {
         if (!draws_exact && options_.out_directory && result.drawn.approximations > 0) {
             draw_cut(viewer, variant, tolerance_px);
         }
+        if (result.drawn.images > 0 && options_.out_directory) draw_from_outside(*built, variant, tolerance_px);
         if (result.coverage && options_.out_directory) {
             own.reset();  // it holds a copy of all triangles
             if (draws_exact) {
@@ -255,6 +256,7 @@ class Run {
     static void add(const FrameStats& stats, Drawn& drawn) {
         drawn.primitives += double(stats.primitives);
         drawn.approximations += double(stats.approximations);
+        drawn.images += double(stats.images);
         drawn.cells_visited += double(stats.cells_visited);
         drawn.touched_bytes += double(stats.touched_bytes);
         auto& by_level = drawn.approximations_by_level;
@@ -276,7 +278,8 @@ class Run {
     void scale(Result& result) const {
         const double weight = 1.0 / double(result.frame_ms.size());
         Drawn& drawn = result.drawn;
-        for (double* sum : {&drawn.primitives, &drawn.approximations, &drawn.cells_visited, &drawn.touched_bytes})
+        for (double* sum :
+             {&drawn.primitives, &drawn.approximations, &drawn.images, &drawn.cells_visited, &drawn.touched_bytes})
             *sum *= weight;
         for (double& sum : drawn.approximations_by_level) sum *= weight;
         if (!result.coverage) return;
@@ -320,6 +323,26 @@ class Run {
             const Image three[] = {exact.over_background, report::over_background(viewer.image(), setting_.background),
                                    cut};
             report::write_png(report::side_by_side(three, 4), file(std::string(variant.name), frame, "_side_by_side"));
+            progress_.step();
+        }
+    }
+
+    /// Frames that are compared as one sees them from outside, with the images that cells are drawn by. They are what
+    /// the frames before leave, so some of those are drawn, too.
+    void draw_from_outside(const BuiltScene& built, const Variant& variant, float tolerance_px) {
+        constexpr int frames_before = 12;
+        RendererChoice choice = renderer(options_.renderer, options_.samples);
+        choice.looks_on = true;
+        const auto viewer = built.viewer(choice);
+        progress_.begin("drawing " + std::string(variant.name) + " from outside", int(flight_.quality_frames.size()));
+        for (const int frame : flight_.quality_frames) {
+            for (int f = std::max(0, frame - frames_before); f <= frame; ++f) {
+                viewer->frame(view_of(f, tolerance_px, variant.distance));
+            }
+            if (const Image* image = viewer->from_outside()) {
+                report::write_png(report::over_background(*image, {}),
+                                  file(std::string(variant.name), frame, "_from_outside"));
+            }
             progress_.step();
         }
     }

@@ -9,6 +9,7 @@
 
 #include "options.hpp"
 #include "scenes/catalog.hpp"
+#include "scenes/generate/island.hpp"
 #include "scenes/generate/quadrupled_forest.hpp"
 #include "scenes/load/load.hpp"
 
@@ -25,7 +26,7 @@ void say_what_is_left_out(const std::string& file, const std::vector<std::string
     std::cerr << '\n';
 }
 
-farfield::scenes::Scene load(const std::string& file, const std::vector<std::string>& names) {
+farfield::scenes::Scene load(const std::string& file, const std::vector<std::string>& names, glm::vec3 up) {
     std::error_code error;
     if (!std::filesystem::exists(file, error)) {
         std::string known;
@@ -33,7 +34,7 @@ farfield::scenes::Scene load(const std::string& file, const std::vector<std::str
         throw UsageError("no scene and no file '" + file + "'; known scenes are " + known);
     }
     try {
-        farfield::scenes::Scene scene = farfield::scenes::load(file);
+        farfield::scenes::Scene scene = farfield::scenes::load(file, {.up = up});
         say_what_is_left_out(file, scene.notes);
         return scene;
     } catch (const std::bad_alloc&) {
@@ -45,15 +46,16 @@ farfield::scenes::Scene load(const std::string& file, const std::vector<std::str
 
 }  // namespace
 
-Setting make_setting(const std::string& asked) {
+Setting make_setting(const std::string& asked, std::optional<glm::vec3> up) {
     Setting setting;
     const std::vector<std::string> names = farfield::scenes::names();
     const bool generated = std::find(names.begin(), names.end(), asked) != names.end();
     if (generated) {
+        if (up) throw UsageError("--up is for files: in '" + asked + "' y is up");
         setting.scene = farfield::scenes::make(asked);
         setting.name = asked;
     } else {
-        setting.scene = load(asked, names);
+        setting.scene = load(asked, names, up.value_or(glm::vec3(0, 1, 0)));
         setting.name = std::filesystem::path(asked).stem().string();
     }
     setting.bounds = farfield::scenes::bounds(setting.scene);
@@ -64,6 +66,11 @@ Setting make_setting(const std::string& asked) {
     if (outdoors) setting.background = {{126, 173, 224, 255}, {222, 236, 247, 255}};
     if (generated && asked == "quadrupled-forest") {
         setting.descent = {farfield::scenes::aerial({}), farfield::scenes::eye_level({})};
+    }
+    if (generated && asked == "shade-island") {
+        setting.path = [](int frames) {
+            return farfield::scenes::walk_over_island(farfield::scenes::shade_island, frames);
+        };
     }
     setting.culls_back_faces = setting.scene.is_closed || (generated && asked == "molecule");
     return setting;

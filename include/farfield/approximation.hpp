@@ -55,6 +55,7 @@ struct ApproximationFacts {
     bool merges_octants = false;      ///< MergesOctants is required: parents are made from their children
     bool has_pool = false;            ///< data of varying size: hooks that take or make data get the pool after it
     bool bounds_error = false;        ///< BoundsError is required
+    bool expects_error = false;       ///< ExpectsError is required; only where cells have stand-ins
     bool compares = false;            ///< ComparesWithChildren is required; not where there is a pool
     bool provides_area_law = false;   ///< ProvidesAreaLaw is required; only where cells have stand-ins
     bool samples_primitives = false;  ///< SamplesPrimitives is required; only where cells have stand-ins
@@ -157,6 +158,16 @@ concept BoundsError = requires(const A& a, const Cell& cell, unsigned levels, co
     { a.least_error_px(cell, levels, view) } -> std::convertible_to<float>;
 };
 
+/// covered_part() says which part of the cell's outline its contents cover, seen from the view; expected_rmse() what
+/// the picture errs by over the pixels of a cell so wide, of which so much is covered, if it stands in
+/// (wanted_error.hpp).
+template <class A>
+concept ExpectsError = requires(const A& a, const typename A::stand_in_data& data, const Cell& cell,
+                                const LocalView& view) {
+    { a.covered_part(data, cell, view) } -> std::same_as<float>;
+    { a.expected_rmse(1.0f, 1.0f) } -> std::same_as<float>;
+};
+
 /// reproduces() says whether a cell's stand-in, drawn in place of its children's, gives their picture. It is asked of
 /// cells all of whose children have stand-ins; where it holds these are not kept. The cell's error is halved with its
 /// children's, so error_px must be proportional to the cell's size at a given distance.
@@ -216,9 +227,17 @@ struct ImageCacheOptions {
     std::uint32_t least_items = 1024;
     std::uint64_t budget_bytes = std::uint64_t(64) << 20;  ///< of all images of one viewer; never exceeded
     std::uint32_t most_made = 4096;                        ///< images a frame; other cells are drawn as they are
+    /// The most work of making images in a frame, in the unit of the cost model: what a frame may take on top of what
+    /// it draws, however many images run out at once.
+    float most_making = std::numeric_limits<float>::max();
     /// The work of making images may exceed that of drawing what they show, in a frame, by this part of the frame's
     /// work: an image shows all of a cell where the picture shows a part.
     float most_overhead = 0.25f;
+    /// How far the eye moves in a frame at most, in world units, and by how much that may grow from one frame to the
+    /// next. With a speed above 0 images are made only if they pay whatever the viewer does within these bounds (Shade
+    /// et al. 1996, section 3); 0: the last motion is taken to go on, or the path to be the one that the viewer was
+    /// told.
+    float most_speed = 0, most_acceleration = 0;
     /// Texels are at most so many times larger, or smaller, than pixels.
     float most_magnified = 1.3f, most_minified = 1.7f;
 
@@ -229,6 +248,9 @@ struct ImageCacheOptions {
         if (slices < 1 || slices > most_slices) return "ImageCache: slices must be 1 to 8";
         if (samples < 1) return "ImageCache: samples must be 1 or more";
         if (!is_number(most_overhead)) return "ImageCache: most_overhead must be 0 or more and finite";
+        if (!is_number(most_making)) return "ImageCache: most_making must be 0 or more and finite";
+        if (!is_number(most_speed) || !is_number(most_acceleration))
+            return "ImageCache: most_speed and most_acceleration must be 0 or more and finite";
         if (!(most_magnified >= 1 && most_minified >= 1))
             return "ImageCache: most_magnified and most_minified must be 1 or more";
         return nullptr;
@@ -257,14 +279,17 @@ concept MergesOctantsIfStated = !A::facts.merges_octants || (A::facts.stands_in 
 template <class A>
 concept BoundsErrorIfStated = !A::facts.bounds_error || BoundsError<A>;
 template <class A>
+concept ExpectsErrorIfStated = !A::facts.expects_error || (A::facts.stands_in && ExpectsError<A>);
+template <class A>
 concept ComparesIfStated = !A::facts.compares || (A::facts.stands_in && ComparesWithChildren<A>);
 template <class A>
 concept ProvidesAreaLawIfStated = !A::facts.provides_area_law || (A::facts.stands_in && ProvidesAreaLaw<A>);
 }  // namespace detail
 
 template <class A>
-concept Approximation = StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> &&
-    detail::MergesOctantsIfStated<A> && detail::BoundsErrorIfStated<A> && detail::ComparesIfStated<A> &&
+concept Approximation =
+    StatesApproximationFacts<A> && detail::MakesStandInsIfStated<A> && detail::MergesOctantsIfStated<A> &&
+    detail::BoundsErrorIfStated<A> && detail::ExpectsErrorIfStated<A> && detail::ComparesIfStated<A> &&
     detail::ProvidesAreaLawIfStated<A> && detail::SamplesPrimitivesIfStated<A> && detail::CachesImagesIfStated<A>;
 
 // --- the one place where hooks are called whose form, or presence, depends on the approximation

@@ -8,6 +8,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -94,6 +95,13 @@ struct Splat {
 /// may be made of where cells hold samples of their contents.
 struct OwnRun {
     std::uint32_t count = 0;
+};
+
+/// A depth slice of an image that is to be kept: it holds what lies between two depths, and its rectangle will lie at
+/// `depth`; local units. Slices overlap a little, so that surfaces that go through several have no gaps.
+struct ImageSlice {
+    float depth = 1;
+    float nearest = -std::numeric_limits<float>::infinity(), farthest = std::numeric_limits<float>::infinity();
 };
 
 /// An image that a renderer keeps, as a rectangle in space, in local coordinates: the image's upper left corner lies at

@@ -31,6 +31,7 @@
 #include "farfield/partition/nested.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
+#include "farfield/pick.hpp"
 #include "farfield/primitive/instance.hpp"
 #include "farfield/primitive/point.hpp"
 #include "farfield/primitive/triangle.hpp"

@@ -174,6 +174,10 @@ constexpr bool check_stand_ins() {
             "farfield: an approximation with `provides_area_law` needs `std::optional<AreaLaw> area_law(const "
             "stand_in_data&) const`");
         static_assert(
+            !A::facts.expects_error || ExpectsError<A>,
+            "farfield: an approximation with `expects_error` needs `float covered_part(const stand_in_data&, const "
+            "Cell&, const LocalView&) const` and `float expected_rmse(float side_px, float covered) const`");
+        static_assert(
             !A::facts.samples_primitives || SamplesPrimitives<A>,
             "farfield: an approximation with `samples_primitives` needs polygons, accepts `unique` alone, and "
             "has `float sample_key(std::uint32_t, double) const`, `std::uint32_t sample_size(double) const` "
@@ -192,11 +196,11 @@ constexpr bool check_approximation() {
         if constexpr (A::facts.stands_in) {
             static_assert(check_stand_ins<A>());
         } else {
-            static_assert(
-                !A::facts.merges_octants && !A::facts.compares && !A::facts.provides_area_law &&
-                    !A::facts.samples_primitives,
-                "farfield: `merges_octants`, `compares`, `provides_area_law` and `samples_primitives` go with "
-                "`stands_in` only");
+            static_assert(!A::facts.merges_octants && !A::facts.expects_error && !A::facts.compares &&
+                              !A::facts.provides_area_law && !A::facts.samples_primitives,
+                          "farfield: `merges_octants`, `expects_error`, `compares`, `provides_area_law` and "
+                          "`samples_primitives` go with "
+                          "`stands_in` only");
         }
         static_assert(
             !A::facts.caches_images || CachesImages<A>,
@@ -336,6 +340,10 @@ constexpr bool check_renderer() {
             "farfield: a renderer with `keeps_images` needs `void begin_image(const LocalView&, float quad_depth, int "
             "samples)`, `std::uint32_t end_image()`, `void free_image(std::uint32_t)`, `std::size_t image_bytes(int "
             "width, int height) const` and `void draw(std::span<const ImageQuad>)`");
+        static_assert(SlicesImagesIfStated<R>,
+                      "farfield: a renderer with `slices_images` needs `keeps_images`, `void begin_image(const "
+                      "LocalView&, std::span<const ImageSlice>, int samples)` and `void "
+                      "end_image(std::span<std::uint32_t>)`");
     }
     return true;
 }

@@ -50,6 +50,11 @@ struct RendererFacts {
     /// where nothing is drawn, with so many samples a pixel. Its rectangle will lie at `quad_depth`, local units; a
     /// renderer may remember how much nearer or farther each pixel's contents are.
     bool keeps_images = false;
+    /// Several depth slices of an image are made at once, and not by drawing the contents once for each:
+    ///
+    ///     begin_image(const LocalView&, std::span<const ImageSlice>, int samples)   front to back
+    ///     end_image(std::span<std::uint32_t> handles)                               one a slice; 0: it was not made
+    bool slices_images = false;
 };
 
 template <class R>
@@ -128,6 +133,13 @@ concept KeepsImages = requires(R& r, const R& known, const LocalView& view, std:
     r.draw(quads);
 };
 
+template <class R>
+concept SlicesImages = requires(R& r, const LocalView& view, std::span<const ImageSlice> slices,
+                                std::span<std::uint32_t> handles) {
+    r.begin_image(view, slices, 1);
+    r.end_image(handles);
+};
+
 namespace detail {
 template <class R, class P>
 concept KeepsSourcesIfStated = !R::facts.keeps_sources || KeepsSources<R, P>;
@@ -150,12 +162,15 @@ template <class R>
 concept DepositsPrimitivesIfStated = !R::facts.deposits_primitives || DepositsPrimitives<R>;
 template <class R>
 concept KeepsImagesIfStated = !R::facts.keeps_images || KeepsImages<R>;
+template <class R>
+concept SlicesImagesIfStated = !R::facts.slices_images || (R::facts.keeps_images && SlicesImages<R>);
 }  // namespace detail
 
 template <class R, class P>
 concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && detail::KeepsSourcesIfStated<R, P> &&
     detail::SharesSourcesIfStated<R> && detail::TellsLifetimeIfStated<R> && detail::TellsLightIfStated<R> &&
     detail::DrawsFacesIfStated<R> && detail::DrawsSplatsIfStated<R> && detail::DrawsPolygonsIfStated<R> &&
-    detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R> && detail::KeepsImagesIfStated<R>;
+    detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R> && detail::KeepsImagesIfStated<R> &&
+    detail::SlicesImagesIfStated<R>;
 
 }  // namespace farfield

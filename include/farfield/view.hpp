@@ -12,6 +12,7 @@
 #include "farfield/camera.hpp"
 #include "farfield/camera_from_matrices.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/wanted_error.hpp"
 
 namespace farfield {
 
@@ -43,6 +44,12 @@ struct View {
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     /// Set by tile(): the camera then shows the larger picture, and this is a part of it.
     PartOfPicture part{};
+    /// Nothing stands in that is expected to err more, whatever the tolerance allows, where the approximation says what
+    /// it errs by (ApproximationFacts::expects_error). Where no more is wanted than point sampling gives, primitives
+    /// are point sampled, small ones included, and stand-ins are drawn only where that costs less: a frame is then
+    /// seldom slower than an exact one, though what is expected is not always so (bench/README.md). FrameStats says
+    /// what was chosen.
+    WantedError wanted = WantedError::any();
 
     /// The size of the picture that the camera shows.
     int whole_width() const { return part.is_whole() ? width : part.whole_width; }
@@ -62,6 +69,8 @@ struct View {
         demand(fade >= 0 && fade <= 1, "fade must be 0 to 1");
         demand(distance == DistanceMeasure::nearest_point || distance == DistanceMeasure::depth,
                "distance must be nearest_point or depth");
+        demand(!wanted.rmse || *wanted.rmse >= 0, "a wanted error must be 0 or more");
+        demand(wanted.samples >= 1, "wanted samples must be 1 or more");
         if (part.is_whole()) {
             demand(part.left == 0 && part.top == 0 && part.whole_height == 0, "part must name the whole's size");
         } else {
@@ -104,15 +113,21 @@ struct FrameStats {
     std::uint64_t cells_visited = 0;
     std::uint64_t cells_outside = 0;                         ///< culled by the frustum
     std::uint64_t cells_hidden = 0;                          ///< culled because the renderer said so
+    std::uint64_t cells_too_coarse = 0;                      ///< whose stand-ins err more than is wanted
+    std::uint64_t cells_cheaper = 0;                         ///< drawn exactly because that costs less
     std::uint64_t instances = 0;                             ///< instances entered
     std::uint64_t touched_bytes = 0;                         ///< working set: nodes, stand-ins and item indices read
     std::uint64_t approximations_by_level[max_levels] = {};  ///< by depth in their own hierarchy
+
+    /// Whether all that was drawn are primitives.
+    bool is_exact() const { return approximations == 0 && images == 0; }
 
     FrameStats& operator+=(const FrameStats& other) {
         for (const auto count : {&FrameStats::primitives, &FrameStats::runs, &FrameStats::approximations,
                                  &FrameStats::faces, &FrameStats::splats, &FrameStats::images, &FrameStats::images_made,
                                  &FrameStats::image_bytes, &FrameStats::cells_visited, &FrameStats::cells_outside,
-                                 &FrameStats::cells_hidden, &FrameStats::instances, &FrameStats::touched_bytes}) {
+                                 &FrameStats::cells_hidden, &FrameStats::cells_too_coarse, &FrameStats::cells_cheaper,
+                                 &FrameStats::instances, &FrameStats::touched_bytes}) {
             this->*count += other.*count;
         }
         for (int i = 0; i < max_levels; ++i) approximations_by_level[i] += other.approximations_by_level[i];

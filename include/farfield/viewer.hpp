@@ -220,10 +220,10 @@ class Viewer {
         deposits_ = deposits(view);
     }
 
-    /// A tolerance of 0 means every primitive as it is.
+    /// A tolerance of 0 means every primitive as it is, and so does an error that is as large as point sampling's.
     bool deposits(const View& view) const {
         if constexpr (R::facts.deposits_primitives) {
-            return view.tolerance_px > 0 && renderer_.deposits_primitives();
+            return view.tolerance_px > 0 && !view.wanted.is_point_sampling() && renderer_.deposits_primitives();
         } else {
             return false;
         }

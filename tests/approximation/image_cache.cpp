@@ -2,20 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 #include <thread>
 #include <vector>
 
 #include "catch.hpp"
+#include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/renderer/hierarchical_z_renderer.hpp"
+#include "farfield/renderer/painter_renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/storage/open.hpp"
+#include "farfield/storage/save.hpp"
 #include "farfield/viewer.hpp"
 #include "support/recorder.hpp"
 #include "support/scenes.hpp"
@@ -32,6 +39,13 @@ ImageCache<Exact> with(const ImageCacheOptions& options) {
     ImageCache<Exact> a;
     a.image_options = options;
     return a;
+}
+
+/// With these, whatever may be an image is one.
+MeasuredTime free_images() {
+    MeasuredTime prices;
+    prices.image = prices.texel = 0;
+    return prices;
 }
 
 /// Two dozen balls of triangles, strewn about the z axis from -30 to -80.
@@ -79,8 +93,8 @@ struct Walk {
     Viewer<Cached, Triangle, R> viewer;
     Viewer<Plain, Triangle, R> plain_viewer;
 
-    explicit Walk(const ImageCacheOptions& options = {.least_items = 64})
-        : hierarchy(build<Cached>(balls(), {.approximation = with(options)})),
+    explicit Walk(const ImageCacheOptions& options = {.least_items = 64}, const MeasuredTime& prices = {})
+        : hierarchy(build<Cached>(balls(), {.approximation = with(options), .cost_model = prices})),
           viewer(hierarchy, balls(), renderer),
           plain_viewer(plain, balls(), plain_renderer) {}
 
@@ -111,9 +125,11 @@ class FailingRenderer {
     }
     void begin_image(const LocalView& view, float depth, int samples) {
         ++asked;
+        makes_image_ = true;
         inner_.begin_image(view, depth, samples);
     }
     std::uint32_t end_image() {
+        makes_image_ = false;
         const std::uint32_t image = inner_.end_image();
         if (left_to_make > 0) {
             --left_to_make;
@@ -124,13 +140,18 @@ class FailingRenderer {
     }
     void free_image(std::uint32_t image) { inner_.free_image(image); }
     std::size_t image_bytes(int width, int height) const { return inner_.image_bytes(width, height); }
-    void draw(std::span<const ImageQuad> quads) { inner_.draw(quads); }
+    void draw(std::span<const ImageQuad> quads) {
+        if (makes_image_) images_in_images += int(quads.size());
+        inner_.draw(quads);
+    }
     const Image& image() const { return inner_.image(); }
 
     int left_to_make = 0;
     int asked = 0;
+    int images_in_images = 0;
 
   private:
+    bool makes_image_ = false;
     ZBufferRenderer inner_;
 };
 
@@ -142,6 +163,9 @@ TEST_CASE("a hierarchy that caches images wants a renderer that keeps them", "[i
     using Forgetful = BasicRecorder<RendererFacts{.keeps_sources = true}>;
     STATIC_REQUIRE(!DrawableWith<Cached, Triangle, Forgetful>);
     STATIC_REQUIRE(DrawableWith<Plain, Triangle, Forgetful>);
+    // What paints, or clips to coverage masks, has no depths to put an image among.
+    STATIC_REQUIRE(!DrawableWith<Cached, Triangle, PainterRenderer>);
+    STATIC_REQUIRE(!DrawableWith<Cached, Triangle, CoverageRenderer>);
 }
 
 TEST_CASE("image caches whose options make no sense are refused by name", "[image_cache]") {
@@ -321,4 +345,205 @@ TEST_CASE("a known path makes images that serve along it", "[image_cache]") {
         known = knows.frame(view).images_made;
     }
     CHECK(known > guessed);
+}
+
+TEST_CASE("where a renderer stops making images, the rest is geometry", "[image_cache]") {
+    Walk<FailingRenderer> walk;
+    walk.renderer.left_to_make = 3;
+    const View view = looking({0, 0, 0});
+    for (int f = 0; f < 3; ++f) {
+        CHECK(walk.frame(view).images == 3);
+        CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
+    }
+}
+
+TEMPLATE_TEST_CASE("depth slices hold what one image holds", "[image_cache]", ZBufferRenderer, HierarchicalZRenderer) {
+    for (const int slices : {2, 4, 8}) {
+        Walk<TestType> walk({.slices = slices, .least_items = 64}, free_images());
+        const View view = looking({0, 0, 0});
+        CHECK(walk.frame(view).images > 0);
+        CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
+        const Image first = walk.image();
+        CHECK(walk.frame(view).images_made == 0);
+        CHECK(walk.image() == first);
+    }
+}
+
+TEST_CASE("nothing opens between depth slices of a surface that goes through all of them", "[image_cache]") {
+    // A floor seen at a slant, and farther away nothing.
+    const Triangles floor = sheet({-5, -2, -20}, {10, 0, 0}, {0, 1, -30}, 120, 120, {200, 180, 40, 255});
+    const Cached cached =
+        build<Cached>(floor, {.approximation = with({.slices = 4, .least_items = 1024}), .cost_model = free_images()});
+    const Plain plain = build<Plain>(floor);
+    ZBufferRenderer renderer, plain_renderer;
+    auto viewer = make_viewer(cached, floor, renderer);
+    auto plain_viewer = make_viewer(plain, floor, plain_renderer);
+    std::uint64_t images = 0;
+    int most = 0;
+    for (int f = 0; f < 40; ++f) {
+        const View view = looking({0.05 * f, 0.02 * f, 0}, {0, -2, -35});
+        images += viewer.frame(view).images;
+        plain_viewer.frame(view);
+        int lost = 0;
+        for (int y = 1; y + 1 < view.height; ++y) {
+            for (int x = 1; x + 1 < view.width; ++x) {
+                bool is_inside = true;
+                for (const int d : {-1, 0, 1})
+                    is_inside = is_inside && plain_renderer.image().at(x + d, y).a != 0 &&
+                                plain_renderer.image().at(x, y + d).a != 0;
+                lost += is_inside && renderer.image().at(x, y).a == 0 ? 1 : 0;
+            }
+        }
+        most = std::max(most, lost);
+    }
+    CHECK(images > 30);
+    CHECK(most <= 8);
+}
+
+TEST_CASE("a watertight wall shows its background no more than the threshold lets it", "[image_cache]") {
+    // Split into cells with an image each, which move against one another by twice the threshold at most; the cells
+    // are flat, so that it is far less.
+    const Triangles wall = sheet({-12, -9, -30}, {24, 0, 0}, {0, 18, -6}, 96, 96, {200, 180, 40, 255});
+    const auto lost_at = [&](float threshold) {
+        const Cached cached =
+            build<Cached>(wall, {.approximation = with({.threshold_px = threshold, .least_items = 256})});
+        ZBufferRenderer renderer;
+        auto viewer = make_viewer(cached, wall, renderer);
+        int lost = 0;
+        for (int f = 0; f < 30; ++f) {
+            const View view = looking({0.1 * f, 0.03 * f, 0}, {0, 0, -33});
+            viewer.frame(view);
+            for (int y = 30; y < 90; ++y) {
+                for (int x = 40; x < 120; ++x) lost += renderer.image().at(x, y).a == 0 ? 1 : 0;
+            }
+        }
+        return lost;
+    };
+    CHECK(lost_at(0) == 0);
+    CHECK(lost_at(0.25f) <= 30 * 4);
+    CHECK(lost_at(2) <= 30 * 96);
+}
+
+TEST_CASE("a bound of work bounds what a frame makes", "[image_cache]") {
+    Walk<> all, some({.least_items = 64, .most_making = 50000}), none({.least_items = 64, .most_making = 0});
+    const View view = looking({0, 0, 0});
+    const std::uint64_t at_once = all.frame(view).images_made;
+    CHECK(none.frame(view).images_made == 0);
+    CHECK(none.image() == none.exact(view));
+    std::uint64_t made = 0;
+    for (int f = 0; f < 40; ++f) {
+        const std::uint64_t now = some.frame(view).images_made;
+        CHECK(now < at_once);
+        made += now;
+        CHECK(difference(some.image(), some.exact(view)) < 1.0);
+    }
+    CHECK(made > 0);
+}
+
+TEST_CASE("bounds of the motion decide how long an image lives", "[image_cache]") {
+    const View view = looking({0, 0, 0});
+    // Standing, images pay by the last motion; a viewer that may be anywhere in the next frame wants none.
+    Walk<> leaps({.least_items = 64, .most_speed = 1e6f}), creeps({.least_items = 64, .most_speed = 1e-4f}),
+        starts({.least_items = 64, .most_speed = 1e-4f, .most_acceleration = 1e6f});
+    CHECK(leaps.frame(view).images_made == 0);
+    CHECK(starts.frame(view).images_made == 0);
+    CHECK(creeps.frame(view).images_made > 0);
+    CHECK_THROWS_WITH(build<Cached>(balls(), {.approximation = with({.most_speed = -1})}),
+                      Catch::Matchers::Contains("most_speed"));
+}
+
+TEST_CASE("images serve orthographic views, from wherever they look along one direction", "[image_cache]") {
+    Walk<> walk;
+    std::uint64_t made = 0;
+    for (int f = 0; f < 20; ++f) {
+        View view = looking({0, 0, 0});
+        const double x = 0.25 * f;
+        view.camera = Camera::orthographic({x, 0, 0}, {x, 0, -50}, {0, 1, 0}, 20);
+        const FrameStats stats = walk.frame(view);
+        if (f > 0) made += stats.images_made;
+        CHECK(stats.images > 0);
+        CHECK(difference(walk.image(), walk.exact(view)) < 25.0);
+        if (f == 0) CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
+    }
+    CHECK(made <= 24);  // what came into the picture
+}
+
+TEST_CASE("conservative images displace nothing by more than the threshold, images of images included",
+          "[image_cache]") {
+    // Dots in colors of their own, alone in the picture.
+    constexpr std::size_t dot_count = 45;
+    Triangles dots;
+    for (int i = 0; i < int(dot_count); ++i) {
+        const int cluster = i / 9, in_cluster = i % 9;
+        const float depth = 20 + 4 * float(cluster) + 0.4f * float(i * 7 % 9);
+        const glm::vec2 at(float(cluster % 5) * 0.13f - 0.26f + 0.035f * float(in_cluster % 3),
+                           float(cluster / 5) * 0.2f - 0.15f + 0.035f * float(in_cluster / 3));
+        const float size = 0.012f * depth;
+        const Triangles dot = sheet(glm::vec3(at * depth, -depth), {size, 0, 0}, {0, size, 0}, 8, 8,
+                                    {std::uint8_t(10 + 5 * i), 255, std::uint8_t(250 - 5 * i), 255});
+        dots.insert(dots.end(), dot.begin(), dot.end());
+    }
+    const auto centers = [&](const Image& image) {
+        std::vector<glm::dvec3> sums(dot_count);
+        for (int y = 0; y < image.height(); ++y) {
+            for (int x = 0; x < image.width(); ++x) {
+                const Rgba8 c = image.at(x, y);
+                if (c.a != 255) continue;
+                const auto i = std::size_t(std::max(c.r - 10 + 2, 0) / 5);
+                if (i < sums.size()) sums[i] += glm::dvec3(x, y, 1);
+            }
+        }
+        return sums;
+    };
+    for (const int slices : {1, 4}) {
+        const Cached cached =
+            build<Cached>(dots, {.approximation = with({.is_conservative = true, .slices = slices, .least_items = 2}),
+                                 .cost_model = free_images()});
+        const Plain plain = build<Plain>(dots);
+        FailingRenderer renderer{ZBufferOptions{}};
+        renderer.left_to_make = 1 << 20;
+        ZBufferRenderer plain_renderer;
+        auto viewer = make_viewer(cached, dots, renderer);
+        auto plain_viewer = make_viewer(plain, dots, plain_renderer);
+        double worst = 0;
+        std::size_t compared = 0;
+        std::uint64_t images = 0, made = 0;
+        for (int f = 0; f < 120; ++f) {
+            View view = looking({0.03 * f, 0.02 * f, -0.02 * f}, {0.03 * f, 0, -40});
+            view.width = 480;
+            view.height = 360;
+            const FrameStats stats = viewer.frame(view);
+            images += stats.images;
+            made += stats.images_made;
+            plain_viewer.frame(view);
+            const auto seen = centers(renderer.image()), truth = centers(plain_renderer.image());
+            for (std::size_t i = 0; i < dot_count; ++i) {
+                if (seen[i].z < 3 || truth[i].z < 3) continue;
+                const glm::dvec2 d = glm::dvec2(seen[i]) / seen[i].z - glm::dvec2(truth[i]) / truth[i].z;
+                worst = std::max(worst, std::sqrt(d.x * d.x + d.y * d.y));
+                ++compared;
+            }
+        }
+        CHECK(images > 2 * made);
+        if (slices == 1) CHECK(renderer.images_in_images > 0);
+        // Two pixels, and half of one that dots are rounded to.
+        CHECK(worst <= 2.5);
+        CHECK(worst > 0.25);
+        CHECK(compared > 1000);
+    }
+}
+
+TEST_CASE("hierarchies that cache images are stored as what they cache", "[image_cache]") {
+    using OfCubes = SpatialHierarchy<Octree, ColorCube, MeasuredTime>;
+    using CachedCubes = SpatialHierarchy<Octree, ImageCache<ColorCube>, MeasuredTime>;
+    const auto saved = [](const auto& hierarchy) {
+        std::vector<std::byte> bytes(saved_size(hierarchy));
+        save(hierarchy, std::span<std::byte>(bytes));
+        return bytes;
+    };
+    const std::vector<std::byte> bytes = saved(build<CachedCubes>(balls()));
+    CHECK(bytes == saved(build<OfCubes>(balls())));
+    const auto again = open<CachedCubes>(std::span<const std::byte>(bytes));
+    CHECK(again.approximation_policy().images().threshold_px == ImageCacheOptions{}.threshold_px);
+    CHECK(again.item_count() == balls().size());
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 #include "catch.hpp"
@@ -118,4 +119,34 @@ TEST_CASE("a cell's rectangle holds all of it, wherever the picture's center lie
         REQUIRE(is_good(image, view, {}));
     }
     CHECK(some > 50);
+}
+
+TEST_CASE("an image of depth slices stays good for longer than one of a single rectangle", "[kept_images]") {
+    const LocalView view = looking({0, 0, 0}, {0, 0, -1});
+    const glm::vec3 center(1, 2, -30), half(3, 3, 4);
+    const std::optional<ImageRect> rect = image_rect(view, center, half);
+    REQUIRE(rect);
+    for (const bool is_conservative : {false, true}) {
+        const ImageCacheOptions options{.is_conservative = is_conservative};
+        const auto good_for = [&](int slices) {
+            CellImage image = planned_image(view, center, half, *rect, slices);
+            const auto steps = [&] {
+                LocalView moved = view;
+                for (int k = 1; k < 4096; ++k) {
+                    moved.eye = view.eye + glm::vec3(0.002f, 0.001f, -0.0005f) * float(k);
+                    if (!is_good(image, moved, options)) return k - 1;
+                }
+                return 4096;
+            };
+            const int without_zone = steps();
+            set_safety_zone(image, view, options);
+            CHECK(image.safe_radius > 0);
+            CHECK(steps() == without_zone);  // the zone answers sooner, and no more than what is asked without it
+            return without_zone;
+        };
+        const int one = good_for(1), four = good_for(4);
+        CHECK(one > 0);
+        CHECK(four > 3 * one);
+        CHECK(four < 5 * one);
+    }
 }

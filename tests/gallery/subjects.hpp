@@ -56,9 +56,19 @@ inline const std::vector<Variant>& gallery_variants() {
             return one.is_clipped && (one.name.find(MeasuredTime::unit) != std::string::npos ||
                                       one.name.find("ColorCubeCluster<2>") != std::string::npos);
         });
+        const std::vector<Variant> images = image_cache_variants();
+        v.insert(v.end(), images.begin(), images.end());
         return v;
     }();
     return some;
+}
+
+/// Whether a picture is told by its view alone. Where images are kept it is not: cells are drawn by what they looked
+/// like from somewhere else, displaced by up to the images' threshold, with the samples of then, beside cells that are
+/// not. So such a picture is near to the plain loop's and never promised to equal it, what is drawn is not the cut, and
+/// seams between cells may open by as much.
+inline bool is_told_by_view(const Variant& variant) {
+    return !variant.caches_images;
 }
 
 /// Whether cells are cubes: not where planes divide them, in gaps or along polygons.

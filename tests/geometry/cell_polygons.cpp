@@ -3,14 +3,14 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "support/clipped_scene.hpp"
+#include "support/clipped_contents.hpp"
 
 using namespace farfield;
 using namespace farfield::test;
 
 namespace {
 
-struct Scene : ClippedScene {
+struct Scene : ClippedContents {
     PlaneRelation relation(std::size_t i, const CuttingPlane& plane) const {
         return all().relation(i, plane, LocalPlane(plane, unit_cell()), unit_cell());
     }

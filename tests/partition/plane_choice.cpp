@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "support/clipped_scene.hpp"
+#include "support/clipped_contents.hpp"
 #include "support/random.hpp"
 
 using namespace farfield;
@@ -12,7 +12,7 @@ using namespace farfield::test;
 
 namespace {
 
-struct Scene : ClippedScene {
+struct Scene : ClippedContents {
     struct Sides {
         std::size_t behind = 0, on = 0, in_front = 0, cut = 0;
     };

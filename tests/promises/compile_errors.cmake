@@ -98,6 +98,7 @@ expect_of_approximation(no_draw_stand_in "draw_stand_in(" "" ${sample} ${work} $
 set(five ${sample} ${work} ${error} ${finish} ${draw})
 expect_of_approximation(no_least_error_px "float least_error_px(" ".bounds_error = true" ${five})
 expect_of_approximation(no_area_law "area_law(const" ".provides_area_law = true" ${five})
+expect_of_approximation(no_expected_rmse "float expected_rmse(float" ".expects_error = true" ${five})
 expect_of_approximation(no_reproduces "bool reproduces(" ".compares = true" ${five})
 expect_of_approximation(no_merge "merge(const Cell&" ".merges_octants = true" ${five})
 expect_of_approximation(no_sample_key "float sample_key(" ".samples_primitives = true" ${five})

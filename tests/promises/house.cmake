@@ -13,7 +13,7 @@ function(may_include room)
 endfunction()
 
 set(contracts approximation.hpp camera.hpp camera_from_matrices.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp missing_hooks.hpp partition.hpp
-              primitive.hpp renderer.hpp sampler.hpp view view.hpp)
+              primitive.hpp renderer.hpp sampler.hpp view view.hpp wanted_error.hpp)
 set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
 set(frame frame ${hierarchy})
 
@@ -40,6 +40,7 @@ may_include(build.hpp build sampler ${hierarchy}) # the sampler that a build tak
 may_include(storage ${hierarchy})
 may_include(frame ${hierarchy})
 may_include(viewer.hpp ${frame})
+may_include(pick.hpp ${frame})
 may_include(banded_viewer.hpp viewer.hpp ${frame}) # bands are pictures of viewers
 may_include(merged_viewer ${frame})
 may_include(merged_viewer.hpp merged_viewer primitive ${frame}) # bodies are instances
@@ -80,6 +81,7 @@ tested_by(hierarchy/fingerprint geometry/mixed)
 tested_by(measure/flip measure/flip_colors measure/flip_filters)
 tested_by(merged_viewer merged_viewer/body_walker)
 tested_by(partition/polygon_bsp partition/child_boxes)
+tested_by(pick geometry/ray view/pixel_ray)
 tested_by(raster/box_footprint raster/box_fronts)
 tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
           raster/far_field/transmittance_lanes_sse2)
@@ -87,7 +89,7 @@ tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/t
           raster/triangles/triangle_painter raster/triangles/triangle_runs raster/triangles/triangle_stream
           raster/triangles/triangle_triage)
 tested_by(renderer/z_buffer_renderer raster/samples/depth_tested_fill raster/samples/far_deposits
-          raster/samples/z_buffer_canvas)
+          raster/samples/sliced_buffers raster/samples/z_buffer_canvas)
 tested_by(tuning/advise tuning/variants)
 tested_by(view camera)
 tested_by(voxel/voxel_pyramid voxel/voxel_masks)

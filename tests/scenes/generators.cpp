@@ -228,6 +228,33 @@ TEST_CASE("a forest is a grid of turned trees", "[scenes]") {
     CHECK_THROWS_AS(forest(0), std::invalid_argument);
 }
 
+TEST_CASE("the walk over the island goes along its edge and then in, among the tops of its trees", "[scenes]") {
+    const IslandOptions options{.trees = 60, .tree_triangles = 2'000, .tree_kinds = 1, .ground_cells = 32};
+    const Scene scene = island(options);
+    double side = 0;  // of the ground; the sea is larger
+    for (const VertexColoredTriangle& t : scene.groups.back().triangles) {
+        if (t.vertices[0].y > 0) side = std::max(side, 2.0 * double(std::abs(t.vertices[0].x)));
+    }
+    const auto cameras = walk_over_island(options, 300);
+    REQUIRE(cameras.size() == 300);
+    std::size_t far_out = 0;
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        const glm::dvec3 eye = cameras[i].eye;
+        CHECK(eye.y > 8);
+        CHECK(eye.y < 60);
+        CHECK(std::abs(cameras[i].forward.y) < 0.1f);
+        far_out += std::max(std::abs(eye.x), std::abs(eye.z)) > 0.3 * side;
+        if (i == 0) continue;
+        CHECK(glm::length(eye - cameras[i - 1].eye) < 0.02 * side);
+        CHECK(glm::dot(cameras[i].forward, cameras[i - 1].forward) > 0.99f);
+    }
+    CHECK(far_out > 100);
+    const glm::dvec3 last = cameras.back().eye;
+    CHECK(std::max(std::abs(last.x), std::abs(last.z)) < 0.2 * side);
+    // More frames divide the same path.
+    CHECK(glm::length(walk_over_island(options, 600)[200].eye - cameras[100].eye) < 1e-9);
+}
+
 TEST_CASE("the catalog makes what it names", "[scenes]") {
     const std::vector<std::string> known = names();
     CHECK(std::find(known.begin(), known.end(), "tree") != known.end());
@@ -239,6 +266,7 @@ TEST_CASE("the catalog makes what it names", "[scenes]") {
         CHECK(bounds(scene).is_finite());
     }
     CHECK(triangle_count(make("forest")) == 1'049'440);
+    CHECK(triangle_count(make("shade-island")) == 131'072 + 336 + 1'117 * 36'230);
     CHECK(triangle_count(make("forest-instanced")) == 20'988'800);
     try {
         make("treee");

@@ -204,6 +204,64 @@ TEST_CASE("light darkens a mesh's colors and nothing else", "[scenes][load]") {
     CHECK(lit[1].rgba[0].b == 0);
 }
 
+TEST_CASE("where another axis is up, light comes from above and from the same side", "[scenes][load]") {
+    const TemporaryDirectory directory;
+    // A direction with y up, as a file says it where the axis is up.
+    const auto in_file = [](glm::vec3 p, glm::vec3 up) {
+        if (up.z == 1) return glm::vec3(p.x, -p.z, p.y);
+        if (up.z == -1) return glm::vec3(p.x, p.z, -p.y);
+        if (up.x == 1) return glm::vec3(p.y, p.x, -p.z);
+        return p;
+    };
+    const auto text = [&](const std::vector<glm::vec3>& points, glm::vec3 up) {
+        std::string lines;
+        for (const glm::vec3 p : points) {
+            const glm::vec3 q = in_file(p, up);
+            lines += std::to_string(q.x) + " " + std::to_string(q.y) + " " + std::to_string(q.z) + "\n";
+        }
+        return lines;
+    };
+    const std::vector<glm::vec3> tetrahedron{{0, 0, 0}, {1, 0.25f, 0}, {0.5f, 2, 0}, {0.25f, 0.5f, 1}};
+    std::vector<glm::vec3> slope;  // of points without normals
+    for (int i = 0; i < 64; ++i) {
+        const auto x = float(i % 8), z = float(i / 8);
+        slope.emplace_back(x, 0.25f * x - 0.125f * z, z);
+    }
+    const auto colors = [&](glm::vec3 up) {
+        std::vector<Rgba8> all;
+        const std::string faces = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+        for (const auto& [name, content] : {std::pair("mesh.off", "OFF\n4 4 0\n" + text(tetrahedron, up) + faces),
+                                            std::pair("cloud.pts", text(slope, up))}) {
+            LoadOptions options;
+            options.up = up;
+            const Scene scene = load(directory.write(name, content), options);
+            CHECK(scene.up == up);
+            for (const VertexColoredTriangle& t : scene.groups[0].triangles) all.push_back(t.rgba[0]);
+        }
+        return all;
+    };
+    const std::vector<Rgba8> expected = colors({0, 1, 0});
+    REQUIRE(expected.size() == 4 + 4 * slope.size());
+    CHECK(expected[0] != expected[1]);
+    for (const glm::vec3 up : {glm::vec3(0, 0, 1), glm::vec3(0, 0, -1), glm::vec3(1, 0, 0)}) {
+        const std::vector<Rgba8> found = colors(up);
+        REQUIRE(found.size() == expected.size());
+        std::size_t different = 0;
+        for (std::size_t i = 0; i < found.size(); ++i) different += std::abs(int(found[i].r) - int(expected[i].r)) > 1;
+        INFO("up " << up.x << " " << up.y << " " << up.z);
+        CHECK(different == 0);
+    }
+    // The sky is above atoms, too.
+    LoadOptions options;
+    options.up = {0, 0, 1};
+    const Scene atom = load(directory.write("one.xyz", "1\none\nC 0 0 0\n"), options);
+    glm::vec3 bright(0), dark(0);
+    for (const VertexColoredTriangle& t : atom.groups[0].triangles) {
+        (t.rgba[0].b > 110 ? bright : dark) += t.vertices[0];
+    }
+    CHECK(bright.z > dark.z);
+}
+
 TEST_CASE("files without a known extension are known by their content", "[scenes][load]") {
     const TemporaryDirectory directory;
     const char* const contents[] = {

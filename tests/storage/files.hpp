@@ -40,6 +40,8 @@ inline Bytes read_file(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 inline void write_file(const std::filesystem::path& path, const Bytes& bytes) {
+    // File systems wait for the disk where a file is cut to nothing and written again, in case power fails.
+    std::filesystem::remove(path);
     std::ofstream out(path, std::ios::binary);
     out.write(bytes.data(), std::streamsize(bytes.size()));
     if (!out.flush()) throw std::runtime_error("cannot write " + path.string());

@@ -28,7 +28,8 @@ struct Recording {
     std::vector<CellId> asked;
     std::vector<Cell> asked_cells;
     std::vector<LocalView> views;
-    std::size_t ranges = 0, frames = 0, paged_in = 0, paged_out = 0;
+    std::vector<ImageQuad> quads;
+    std::size_t ranges = 0, frames = 0, paged_in = 0, paged_out = 0, images = 0, images_freed = 0;
     float largest_splat = 0;
     bool hides_everything = false;
     bool deposits = false;
@@ -41,6 +42,7 @@ struct Recording {
         asked.clear();
         asked_cells.clear();
         views.clear();
+        quads.clear();
         ranges = frames = 0;
     }
 };
@@ -77,13 +79,19 @@ class BasicRecorder : public Recording {
         asked_cells.push_back(cell);
         return hides_everything;
     }
+    void begin_image(const LocalView&, float, int) {}
+    std::uint32_t end_image() { return std::uint32_t(++images); }
+    void free_image(std::uint32_t) { ++images_freed; }
+    std::size_t image_bytes(int width, int height) const { return std::size_t(width) * std::size_t(height); }
+    void draw(std::span<const ImageQuad> q) { quads.insert(quads.end(), q.begin(), q.end()); }
 };
 
 using Recorder = BasicRecorder<RendererFacts{.keeps_sources = true,
                                              .draws_faces = true,
                                              .draws_splats = true,
                                              .answers_hidden = true,
-                                             .deposits_primitives = true}>;
+                                             .deposits_primitives = true,
+                                             .keeps_images = true}>;
 /// Stand-ins come as faces, after everything else, back to front.
 using BackToFrontRecorder = BasicRecorder<RendererFacts{.order = VisitOrder::back_to_front,
                                                         .far_field_order = VisitOrder::back_to_front,

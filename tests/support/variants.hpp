@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <functional>
+#include <glm/geometric.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -27,6 +28,24 @@ class AnyViewer {
   public:
     virtual ~AnyViewer() = default;
     virtual FrameStats frame(const View& view) = 0;
+
+    bool caches_images = false;
+
+    /// A frame. Where images are kept, some frames on the way come before it, so that they are drawn from where they
+    /// were not made.
+    FrameStats arrive(const View& view, int frames_before = 3) {
+        for (int i = caches_images ? frames_before : 0; i > 0; --i) {
+            View before = view;
+            before.camera.eye += glm::dvec3(view.camera.right) * (2e-4 * double(i) * glm::length(view.camera.eye));
+            frame(before);
+        }
+        return frame(view);
+    }
+    /// Frames of one view until images are made of all that is worth it.
+    FrameStats settle(const View& view) {
+        for (int i = caches_images ? 8 : 0; i > 0; --i) frame(view);
+        return frame(view);
+    }
 };
 
 /// A hierarchy and the primitives it was built from, which it borrows.
@@ -59,7 +78,7 @@ class AnyHierarchy {
 
     Image picture(const View& view, const ZBufferOptions& options = {}) const {
         ZBufferRenderer renderer(options);
-        viewer(renderer)->frame(view);
+        viewer(renderer)->arrive(view);
         return renderer.image();
     }
     /// What a fresh viewer does in one frame.
@@ -71,7 +90,8 @@ struct Variant {
     bool is_shared = false;
     bool is_clipped = false;
     bool stands_in = false;
-    bool has_octants = false;  ///< children are octants of their cell
+    bool has_octants = false;    ///< children are octants of their cell
+    bool caches_images = false;  ///< viewers draw cells by images that they made in other frames
     std::function<std::unique_ptr<AnyHierarchy>(std::span<const Triangle>, std::uint64_t memory_budget_bytes,
                                                 const GridSampler&)>
         build_with;
@@ -103,6 +123,9 @@ std::vector<Variant> cluster_of_two_variants();
 std::vector<Variant> cluster_of_four_variants();
 std::vector<Variant> opacity_tensor_variants();
 std::vector<Variant> sample_set_variants();
+/// With planes in gaps. No file holds their hierarchies, which are those of what the images show: they are not among
+/// all_variants().
+std::vector<Variant> image_cache_variants();
 
 inline const std::vector<Variant>& all_variants() {
     static const std::vector<Variant> all = [] {

@@ -25,7 +25,9 @@ class HierarchyOver final : public AnyHierarchy {
     template <class R>
     struct ViewerOf final : AnyViewer {
         Viewer<H, Triangle, R> viewer;
-        ViewerOf(const H& h, std::span<const Triangle> triangles, R& renderer) : viewer(h, triangles, renderer) {}
+        ViewerOf(const H& h, std::span<const Triangle> triangles, R& renderer) : viewer(h, triangles, renderer) {
+            caches_images = farfield::caches_images<H>;
+        }
         FrameStats frame(const View& view) override { return viewer.frame(view); }
     };
     H hierarchy_;
@@ -126,10 +128,17 @@ std::vector<Variant> variants_of(const char* approximation, std::tuple<H...>*) {
     return {Variant{
         std::string(name_of(typename H::partition_type{})) + ", " + approximation + ", " + H::cost_model_type::unit,
         H::assignment == Assignment::shared, H::assignment == Assignment::clipped,
-        H::approximation_type::facts.stands_in, H::partition_type::facts.children_are_octants,
+        H::approximation_type::facts.stands_in, H::partition_type::facts.children_are_octants, caches_images<H>,
         [](std::span<const Triangle> triangles, std::uint64_t memory_budget_bytes, const GridSampler& sampler) {
+            typename H::approximation_type how{};
+            if constexpr (caches_images<H>) {
+                how.image_options.least_items = 64;  // scenes of tests are small
+                how.image_options.samples = 16;      // and their pictures are compared with finer ones
+            }
             return std::unique_ptr<AnyHierarchy>(std::make_unique<HierarchyOver<H>>(
-                build<H>(triangles, {.sampler = sampler, .memory_budget_bytes = memory_budget_bytes}), triangles));
+                build<H>(triangles,
+                         {.approximation = how, .sampler = sampler, .memory_budget_bytes = memory_budget_bytes}),
+                triangles));
         }}...};
 }
 

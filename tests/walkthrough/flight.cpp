@@ -64,6 +64,21 @@ TEST_CASE("a descent begins and ends where the setting says, and sinks all the w
     CHECK(plan_flight(setting, frames(2)).quality_frames == std::vector<int>{0, 1});
 }
 
+TEST_CASE("a setting's own path is flown as it is") {
+    Setting setting = setting_of(wall({10, 0, 0}, {0, 1, 0}));
+    setting.path = [](int frames) {
+        std::vector<Camera> cameras;
+        for (int i = 0; i < frames; ++i) {
+            cameras.push_back(Camera::perspective({double(i), 0, 5}, {5, 0, 0}, {0, 1, 0}, 1));
+        }
+        return cameras;
+    };
+    const Flight flight = plan_flight(setting, frames(16));
+    REQUIRE(flight.cameras.size() == 16);
+    for (std::size_t i = 0; i < 16; ++i) CHECK(flight.cameras[i].eye.x == double(i));
+    CHECK(flight.quality_frames == std::vector<int>{0, 2, 4, 6, 8, 10, 12, 14});
+}
+
 TEST_CASE("a wall, a floor, a line and a point are flown around") {
     const std::vector<std::vector<VertexColoredTriangle>> scenes{
         wall({10, 0, 0}, {0, 1, 0}),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <glm/geometric.hpp>
 
 #include "errors.hpp"
 #include "interrupt.hpp"
@@ -192,12 +193,14 @@ class SceneRun {
             view.distance = b.variant->distance;
             if (b.variant->stands_in) view.tolerance_px = float(options_.tolerances_px[tolerance]);
             turns.push_back({b.viewer.get(), view});
+            if (b.variant->caches_images) turns.back().step = step_of(place);
             who.push_back(&b);
         }
         if (turns.size() == 1) return;
         take_turns(std::span(turns), options_.repetitions, limit_seconds, was_interrupted);
         for (std::size_t i = 1; i < turns.size(); ++i) {
             const AnyVariant& variant = *who[i]->variant;
+            turns[i].return_to_view();
             const Row::Number tolerance_px =
                 variant.stands_in ? Row::Number(options_.tolerances_px[tolerance]) : std::nullopt;
             add(variant.name, who[i]->scene.get(), who[i]->samples, place, turns[i], tolerance_px);
@@ -205,6 +208,12 @@ class SceneRun {
                                      (!variant.stands_in || tolerance == pictured_tolerance_);
             if (is_pictured) write_pictures(variant.name, turns[i].viewer->image());
         }
+    }
+
+    /// Of a stroll: an eight hundredth of the way to the middle, as from the edge of the island of Shade et al. 1996,
+    /// section 5, along which 1,200 frames are drawn.
+    double step_of(const Place& place) const {
+        return glm::length(place.view.camera.eye - glm::dvec3(bounds_.center())) / 800;
     }
 
     /// `turn` holds the last frame's picture; `built` is null where there is no hierarchy.

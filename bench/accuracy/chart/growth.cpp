@@ -73,6 +73,9 @@ class SeriesRun {
                 view.tolerance_px = stands_in ? float(tolerance_px) : 0;
                 if (stands_in) view.distance = variants[i]->distance;
                 turns.push_back({viewers[i].get(), view});
+                if (i < variants.size() && variants[i]->caches_images) {
+                    turns.back().step = double(scenes::bounds(scene).largest_side()) / 800;
+                }
             }
             take_turns(std::span(turns), options_.repetitions, limit_seconds, was_interrupted);
             if (turns.front().seconds.empty()) return;

@@ -2,6 +2,9 @@
 // run mean something.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <glm/vec3.hpp>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,12 +21,34 @@ struct Contestant {
     scenes::SceneViewer* viewer = nullptr;
     View view;
     FrameStats stats{};
+    /// Its eye strolls to one side and back, by this a frame: images of cells pay by what frames share, and frames from
+    /// one place share all. Other contestants' frames cost the same wherever nearby they are drawn.
+    double step = 0;
     std::vector<double> seconds{};   ///< of each frame
     std::vector<double> speedups{};  ///< of each, over the first contestant's frame of the same turn
 
     double draw() {
-        seconds.push_back(seconds_in_turn(seconds.empty() ? 0 : seconds.back(), [&] { stats = viewer->frame(view); }));
+        const std::size_t turn = seconds.size();
+        const auto drawn = [&] { stats = viewer->frame(at(turn)); };
+        if (step == 0) {
+            seconds.push_back(seconds_in_turn(turn == 0 ? 0 : seconds.back(), drawn));
+        } else {
+            // The one before is drawn again, for a frame that is drawn twice finds its images made.
+            if (turn > 0) viewer->frame(at(turn - 1));
+            seconds.push_back(bench::seconds(drawn));
+        }
         return seconds.back();
+    }
+    View at(std::size_t turn) const {
+        constexpr std::size_t steps = 16;
+        const std::size_t along = turn % (2 * steps);
+        View from = view;
+        from.camera.eye += glm::dvec3(view.camera.right) * (step * double(std::min(along, 2 * steps - along)));
+        return from;
+    }
+    /// Draws what it looks at for a picture, where it has strolled away from it.
+    void return_to_view() {
+        if (step != 0) viewer->frame(view);
     }
 };
 

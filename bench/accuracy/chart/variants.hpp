@@ -18,7 +18,8 @@ namespace farfield::bench {
 
 struct AnyVariant {
     std::string name;
-    bool stands_in = false;  ///< else no tolerance changes anything
+    bool stands_in = false;      ///< else no tolerance changes anything
+    bool caches_images = false;  ///< what it costs depends on how the viewer moves
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     std::function<std::unique_ptr<scenes::BuiltScene>(const scenes::Scene&)> build;
     scenes::RendererChoice renderer{};  ///< but for its samples and back faces

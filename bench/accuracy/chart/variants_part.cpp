@@ -14,7 +14,7 @@ namespace {
 
 /// All that the chart has, drawn by the z-buffer, with masks or both ways.
 auto listed_variants() {
-    return std::tuple_cat(variants(), strict_variants());
+    return std::tuple_cat(variants(), image_variants(), strict_variants());
 }
 // After all that are drawn by the z-buffer.
 constexpr std::size_t with_masks = 1000, with_masks_by_table = 2000;
@@ -27,7 +27,8 @@ AnyVariant any(const V& variant) {
         return std::make_unique<scenes::PlacedScene<Hierarchy>>(scene, partition, variant.approximation,
                                                                 variant.cost_model);
     };
-    return {variant.name, Hierarchy::approximation_type::facts.stands_in, distance_measure(variant), build};
+    constexpr ApproximationFacts facts = Hierarchy::approximation_type::facts;
+    return {variant.name, facts.stands_in, facts.caches_images, distance_measure(variant), build};
 }
 
 template <class V>

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <span>
 #include <stdexcept>
 
 #include "scenes/generate/point_grid.hpp"
@@ -48,9 +51,16 @@ float fractal_noise(float x, float z, int octaves, std::uint64_t seed) {
     return sum;
 }
 
+/// Grows with the number of trees.
+float side_of(const IslandOptions& options) {
+    return 300.0f * std::sqrt(static_cast<float>(std::max<std::size_t>(options.trees, 40)) / 480.0f);
+}
+
 class Ground {
   public:
-    Ground(float side_m, int cells, std::uint64_t seed) : side_m_(side_m), cells_(cells), seed_(seed) {
+    explicit Ground(const IslandOptions& options)
+        : side_m_(side_of(options)), cells_(options.ground_cells), seed_(options.seed) {
+        const int cells = cells_;
         heights_.reserve(static_cast<std::size_t>(cells + 1) * static_cast<std::size_t>(cells + 1));
         for (int z = 0; z <= cells; ++z) {
             for (int x = 0; x <= cells; ++x) heights_.push_back(formed(position(x), position(z)));
@@ -220,14 +230,70 @@ void append_sea(std::vector<VertexColoredTriangle>& triangles, float side_m, Ran
     }
 }
 
+/// Of a uniform cubic B-spline, t in [0, 1].
+glm::dvec3 on_spline(std::span<const glm::dvec3> p, double t) {
+    const double s = t * static_cast<double>(p.size() - 3);
+    const std::size_t i = std::min(static_cast<std::size_t>(s), p.size() - 4);
+    const double u = s - static_cast<double>(i), v = 1 - u;
+    return (p[i] * (v * v * v) + p[i + 1] * (3 * u * u * u - 6 * u * u + 4) +
+            p[i + 2] * (-3 * u * u * u + 3 * u * u + 3 * u + 1) + p[i + 3] * (u * u * u)) /
+           6.0;
+}
+
+/// The highest corner of the ground within some meters, or the sea.
+double height_about(const Ground& ground, double x, double z) {
+    float height = 0;
+    for (int j = 0; j <= ground.cells(); ++j) {
+        for (int i = 0; i <= ground.cells(); ++i) {
+            const vec3 p = ground.vertex(i, j);
+            if (std::abs(p.x - float(x)) < 6 && std::abs(p.z - float(z)) < 6) height = std::max(height, p.y);
+        }
+    }
+    return double(height);
+}
+
 }  // namespace
+
+std::vector<Camera> walk_over_island(const IslandOptions& options, int frames) {
+    // Fractions of the island's side: along the edge, then in to the middle.
+    constexpr std::array<std::array<double, 2>, 11> plan{{{-0.42, 0.42},
+                                                          {-0.44, 0.25},
+                                                          {-0.45, 0.05},
+                                                          {-0.44, -0.15},
+                                                          {-0.40, -0.32},
+                                                          {-0.27, -0.38},
+                                                          {-0.18, -0.30},
+                                                          {-0.14, -0.15},
+                                                          {-0.05, -0.02},
+                                                          {0.05, 0.10},
+                                                          {0.14, 0.22}}};
+    constexpr double tree_top_m = 9;
+    constexpr float field_of_view = 0.785398f;
+    const Ground ground(options);
+    const double side = static_cast<double>(ground.side_m());
+    std::vector<glm::dvec3> points;
+    for (const auto& [u, v] : plan) {
+        points.emplace_back(u * side, height_about(ground, u * side, v * side) + tree_top_m, v * side);
+    }
+    std::vector<Camera> cameras;
+    for (int f = 0; f < frames; ++f) {
+        const double t = static_cast<double>(f) / static_cast<double>(frames);
+        const glm::dvec3 eye = on_spline(points, t), ahead = on_spline(points, std::min(t + 0.08, 1.0));
+        // From the edge it looks at the middle, the less the nearer that is.
+        const double inward = std::max(0.0, 1 - 2 * t);
+        glm::dvec3 target = glm::mix(ahead, glm::dvec3(0.0, eye.y - 2, 0.0), 0.35 + 0.5 * inward);
+        if (glm::length(target - eye) < 5) target = eye + glm::dvec3(1, 0, 1);
+        target.y = eye.y - 0.05 * glm::length(target - eye);
+        cameras.push_back(Camera::perspective(eye, target, {0, 1, 0}, field_of_view));
+    }
+    return cameras;
+}
 
 Scene island(const IslandOptions& options) {
     if (options.tree_kinds == 0) throw std::invalid_argument("island: no tree kinds");
     if (options.ground_cells < 1) throw std::invalid_argument("island: no ground");
     Random random(options.seed * 0x2545f4914f6cdd1du + 3);
-    const float crowd = static_cast<float>(std::max<std::size_t>(options.trees, 40)) / 480.0f;
-    const Ground ground(300.0f * std::sqrt(crowd), options.ground_cells, options.seed);
+    const Ground ground(options);
     const std::vector<Standing> trees = planted(ground, options, random);
 
     Scene scene{"island", {}};

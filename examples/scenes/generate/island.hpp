@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "farfield/view.hpp"
 #include "scenes/scene.hpp"
 
 namespace farfield::scenes {
@@ -30,7 +32,13 @@ inline constexpr IslandOptions shade_island{
 /// meters. Throws std::invalid_argument for no tree kinds, no ground or too few triangles a tree.
 Scene island(const IslandOptions& options);
 
-/// As above; `instanced` false gives one group (see `expanded`), 3,642,224 triangles for 480 trees.
+/// The walk that Shade et al. 1996 measure along (section 5): "the camera first tracks along the edge of the model,
+/// then flies in toward the center of the island at tree-top level", on a B-spline. One camera a frame; 1,200 frames
+/// over `shade_island` are 0.6 m a frame.
+std::vector<Camera> walk_over_island(const IslandOptions& options, int frames);
+inline constexpr int frames_of_island_walk = 1200;
+
+/// As island(options); `instanced` false gives one group (see `expanded`), 3,642,224 triangles for 480 trees.
 Scene island(std::size_t trees = 480, bool instanced = true);
 
 }  // namespace farfield::scenes

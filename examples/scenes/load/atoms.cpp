@@ -43,7 +43,7 @@ std::vector<glm::vec3> openings(std::span<const Atom> atoms) {
 
 }  // namespace
 
-std::vector<VertexColoredTriangle> spheres(std::span<const Atom> atoms, const UnitSphere& sphere) {
+std::vector<VertexColoredTriangle> spheres(std::span<const Atom> atoms, const UnitSphere& sphere, glm::vec3 up) {
     Light light;
     light.sun *= 0.55f;
     light.sky *= 1.15f;
@@ -60,7 +60,7 @@ std::vector<VertexColoredTriangle> spheres(std::span<const Atom> atoms, const Un
             const glm::vec3 normal = glm::normalize(a + b + c);
             const float towards = crowd > 0.0f ? glm::dot(normal, open[i]) : 1.0f;
             const float seen = std::clamp(0.55f + 0.9f * towards, 0.12f, 1.0f);
-            const Rgba8 color = display_color(lit(light, albedo, normal, seen, seen));
+            const Rgba8 color = display_color(lit(light, albedo, with_y_up(normal, up), seen, seen));
             triangles.push_back(
                 {{atom.center + a * atom.radius, atom.center + b * atom.radius, atom.center + c * atom.radius},
                  {color, color, color}});

@@ -19,6 +19,7 @@ struct Atom {
 
 /// One copy of `sphere` an atom, in order; each triangle of one color, lit by a fixed light. Deep in a crowd
 /// of atoms the light is dimmer, so that the surface reads as one.
-std::vector<VertexColoredTriangle> spheres(std::span<const Atom> atoms, const UnitSphere& sphere);
+std::vector<VertexColoredTriangle> spheres(std::span<const Atom> atoms, const UnitSphere& sphere,
+                                           glm::vec3 up = {0, 1, 0});
 
 }  // namespace farfield::scenes

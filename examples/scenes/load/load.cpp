@@ -22,7 +22,7 @@ Rgba8 color_of_kind(std::int64_t kind) {
     return to_rgba8({channel(0.0), channel(1.0 / 3.0), channel(2.0 / 3.0), 1.0f});
 }
 
-void bake_light(VertexColoredTriangle& triangle) {
+void bake_light(VertexColoredTriangle& triangle, glm::vec3 up) {
     const auto& v = triangle.vertices;
     glm::vec3 a = v[1] - v[0], b = v[2] - v[0];
     // Triangles of any size have a normal, if their sides are brought to about 1. By a power of two, so that no bit of
@@ -36,7 +36,7 @@ void bake_light(VertexColoredTriangle& triangle) {
     const glm::vec3 cross = glm::cross(a, b);
     const float size = glm::length(cross);
     // No area: as if in half light.
-    const float facing = size > 0 ? glm::dot(cross / size, Light{}.to_sun) : 0.0f;
+    const float facing = size > 0 ? glm::dot(with_y_up(cross / size, up), Light{}.to_sun) : 0.0f;
     const float brightness = 0.675f + 0.325f * facing;
     for (Rgba8& rgba : triangle.rgba) {
         const glm::vec4 color = to_vec4(rgba);
@@ -150,7 +150,7 @@ Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
         case Format::off:
             return detail::read_off(content, file.parent_path());
         case Format::ply:
-            return detail::read_ply(content);
+            return detail::read_ply(content, options);
         case Format::obj:
             return detail::read_obj(content, file.parent_path());
         case Format::gltf:
@@ -160,12 +160,12 @@ Loaded read(const std::filesystem::path& file, const LoadOptions& options) {
         case Format::mmcif:
             return detail::read_mmcif(content, options);
         case Format::xyz:
-            if (detail::is_point_table(content)) return detail::read_point_table(content, false);
+            if (detail::is_point_table(content)) return detail::read_point_table(content, false, options);
             return detail::read_xyz(content, options);
         case Format::pts:
-            return detail::read_point_table(content, true);
+            return detail::read_point_table(content, true, options);
         case Format::pcd:
-            return detail::read_pcd(content);
+            return detail::read_pcd(content, options);
         case Format::lammps_dump:
             return detail::read_lammps_dump(content, options);
         case Format::lammps_data:
@@ -201,9 +201,10 @@ Scene load(const std::filesystem::path& file, const LoadOptions& options) {
     }
     if (loaded.triangles.empty()) throw fail("has no triangles");
     if (options.bake_light && !loaded.lit) {
-        for (VertexColoredTriangle& triangle : loaded.triangles) detail::bake_light(triangle);
+        for (VertexColoredTriangle& triangle : loaded.triangles) detail::bake_light(triangle, options.up);
     }
     scene.groups[0].triangles = std::move(loaded.triangles);
+    scene.up = options.up;
     scene.origin = loaded.origin;
     scene.notes = std::move(loaded.notes);
     scene.is_closed = loaded.is_closed;

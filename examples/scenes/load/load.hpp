@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <glm/vec3.hpp>
 
 #include "scenes/scene.hpp"
 
@@ -12,6 +13,9 @@ struct LoadOptions {
     /// Multiplies colors by the light that falls on a face from above and in front, between 0.35 and 1, so
     /// that a mesh of one color can be made out. False keeps the colors of the file.
     bool bake_light = true;
+    /// What is up in the file, along one of its axes: the scene's up, and where the light is above. Coordinates stay as
+    /// they are.
+    glm::vec3 up{0, 1, 0};
     /// Atoms are spheres of 320, 80 or 20 triangles: the finest that stays within this sum, else 20.
     std::uint64_t sphere_triangle_budget = 1'000'000;
 };

@@ -26,7 +26,7 @@ std::string read_file(const std::filesystem::path& file);
 /// Vertices are checked to be finite by the readers themselves, who know their index. Those that take a folder open
 /// files that lie in it.
 Loaded read_off(std::string_view bytes, const std::filesystem::path& folder);
-Loaded read_ply(std::string_view bytes);
+Loaded read_ply(std::string_view bytes, const LoadOptions& options = {});
 Loaded read_obj(std::string_view text, const std::filesystem::path& folder);
 Loaded read_height_field(std::string_view text);
 /// More than one number between separators, as the lines of a height field are.
@@ -40,7 +40,7 @@ Loaded read_lammps_dump(std::string_view text, const LoadOptions& options);
 Loaded read_lammps_data(std::string_view text, const LoadOptions& options);
 
 /// Multiplies the colors by the light that falls on the triangle; keeps alpha.
-void bake_light(VertexColoredTriangle& triangle);
+void bake_light(VertexColoredTriangle& triangle, glm::vec3 up = {0, 1, 0});
 
 /// One of many well-separated colors for a number that stands for a kind.
 Rgba8 color_of_kind(std::int64_t kind);

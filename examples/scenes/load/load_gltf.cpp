@@ -660,7 +660,7 @@ class Collector {
     void put_light(Triangles& triangles, const LoadOptions& options) const {
         std::size_t done = 0;
         const auto put = [&](std::size_t end) {
-            for (; done < end && options.bake_light; ++done) bake_light(triangles[done]);
+            for (; done < end && options.bake_light; ++done) bake_light(triangles[done], options.up);
         };
         for (const auto& [begin, end] : unlit_) {
             put(begin);

@@ -287,18 +287,18 @@ Cloud cloud_of(const Header& header, Values&& values) {
 
 }  // namespace
 
-Loaded read_pcd(std::string_view bytes) {
+Loaded read_pcd(std::string_view bytes, const LoadOptions& options) {
     Lines lines(bytes);
     const Header header = HeaderReader(lines).read(bytes.size());
     std::string_view body = lines.rest();
     if (header.points == 0) throw std::runtime_error("has no points");
     if (header.data == "ascii") {
         check_room(header.points, 2 * header.values, body.size() + 1, "points");
-        return drawn(cloud_of(header, TextValues(lines, header)));
+        return drawn(cloud_of(header, TextValues(lines, header)), options);
     }
     if (header.data == "binary") {
         check_room(header.points, header.record_bytes, body.size(), "points");
-        return drawn(cloud_of(header, BinaryValues(body, header, false)));
+        return drawn(cloud_of(header, BinaryValues(body, header, false)), options);
     }
     if (header.data != "binary_compressed") lines.fail("unknown kind of data " + in_quotes(header.data));
     if (body.size() < 8) throw std::runtime_error("ends before its packed data");
@@ -307,7 +307,7 @@ Loaded read_pcd(std::string_view bytes) {
     check_room(packed, 1, body.size(), "bytes of packed data");
     check_room(header.points, header.record_bytes, unpacked, "points");
     const std::string data = unpacked_lzf(body.substr(0, packed), unpacked);
-    return drawn(cloud_of(header, BinaryValues(data, header, true)));
+    return drawn(cloud_of(header, BinaryValues(data, header, true)), options);
 }
 
 }  // namespace farfield::scenes::detail

@@ -446,7 +446,7 @@ void skip_rows(Body& body, const Element& element) {
 
 }  // namespace
 
-Loaded read_ply(std::string_view bytes) {
+Loaded read_ply(std::string_view bytes, const LoadOptions& options) {
     Lines lines(bytes);
     const Header header = read_header(lines);
     std::string_view rest = lines.rest();
@@ -486,7 +486,7 @@ Loaded read_ply(std::string_view bytes) {
             skip_rows(body, element);
         }
     }
-    if (!cloud.positions.empty()) return drawn(std::move(cloud));
+    if (!cloud.positions.empty()) return drawn(std::move(cloud), options);
     mesh.positions = std::move(vertices.positions);
     return in_single_precision(mesh);
 }

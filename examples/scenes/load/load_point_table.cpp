@@ -305,7 +305,7 @@ bool is_point_table(std::string_view text) {
     return rows <= *count;
 }
 
-Loaded read_point_table(std::string_view text, bool intensity_first) {
+Loaded read_point_table(std::string_view text, bool intensity_first, const LoadOptions& options) {
     TableReader table(without_mark(text));
     table.read();
     Columns& columns = table.columns;
@@ -340,7 +340,7 @@ Loaded read_point_table(std::string_view text, bool intensity_first) {
         }
     }
     cloud.positions = std::move(table.positions);
-    return drawn(std::move(cloud));
+    return drawn(std::move(cloud), options);
 }
 
 }  // namespace farfield::scenes::detail

@@ -84,7 +84,7 @@ Loaded drawn(Particles particles, const LoadOptions& options) {
     while (levels > 0 && atoms.size() * (std::uint64_t{20} << (2 * levels)) > options.sphere_triangle_budget) {
         --levels;
     }
-    loaded.triangles = spheres(atoms, icosphere(levels));
+    loaded.triangles = spheres(atoms, icosphere(levels), options.up);
     if (!options.bake_light) {
         const std::size_t each = loaded.triangles.size() / atoms.size();
         for (std::size_t t = 0; t < loaded.triangles.size(); ++t) loaded.triangles[t].rgba.fill(atoms[t / each].color);

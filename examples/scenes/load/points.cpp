@@ -154,7 +154,7 @@ void diagonalize(std::array<std::array<double, 3>, 3>& a, std::array<std::array<
 
 /// Of the plane that the offsets, of at most about unit length, lie in or close to; 0 if there is none. Close is where
 /// its thickness is at most half its width (standard deviations), and it is more than a line.
-glm::vec3 normal_of(std::span<const glm::dvec3> offsets) {
+glm::vec3 normal_of(std::span<const glm::dvec3> offsets, glm::vec3 up) {
     // The point itself is one of them.
     glm::dvec3 mean(0);
     for (const glm::dvec3& d : offsets) mean += d;
@@ -176,7 +176,7 @@ glm::vec3 normal_of(std::span<const glm::dvec3> offsets) {
     if (is_line || a[thin][thin] > 0.25 * a[wide][wide]) return glm::vec3(0);
     glm::vec3 normal(glm::dvec3(v[0][thin], v[1][thin], v[2][thin]));
     // Which side is outside is not known. Flat ground on which it changes from point to point would look like noise.
-    return glm::dot(normal, Light{}.to_sun) < 0 ? -normal : normal;
+    return glm::dot(with_y_up(normal, up), Light{}.to_sun) < 0 ? -normal : normal;
 }
 
 /// The first point at each place, and for each point whose place it is at.
@@ -251,7 +251,7 @@ void add_triangles(const Point& point, Triangles& triangles) {
 
 }  // namespace
 
-void set_from_neighbors(std::span<Point> points, std::span<const Unknown> unknown) {
+void set_from_neighbors(std::span<Point> points, std::span<const Unknown> unknown, glm::vec3 up) {
     Indices firsts;
     const Indices place = places_of(points, firsts);
     std::vector<glm::vec3> positions;
@@ -274,7 +274,7 @@ void set_from_neighbors(std::span<Point> points, std::span<const Unknown> unknow
             neighbors[p * each + j] = nearest[j].point;
             offsets[j] = unit * (glm::dvec3(positions[nearest[j].point]) - glm::dvec3(positions[p]));
         }
-        normals[p] = normal_of({offsets.data(), each});
+        normals[p] = normal_of({offsets.data(), each}, up);
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
         const std::uint32_t p = place[i];
@@ -292,7 +292,7 @@ void set_from_neighbors(std::span<Point> points, std::span<const Unknown> unknow
     }
 }
 
-Loaded drawn(Cloud cloud) {
+Loaded drawn(Cloud cloud, const LoadOptions& options) {
     std::vector<glm::dvec3> places;
     for (const glm::dvec3& position : cloud.positions) {
         if (is_finite(position)) places.push_back(position);
@@ -337,7 +337,7 @@ Loaded drawn(Cloud cloud) {
         any |= u.radii || u.normals;
     }
     cloud = {};
-    if (any) set_from_neighbors(points, unknown);
+    if (any) set_from_neighbors(points, unknown, options.up);
     std::size_t triangles = 0;
     for (const Point& point : points) triangles += point.is_disc() ? 4 : 8;
     loaded.triangles.reserve(triangles);

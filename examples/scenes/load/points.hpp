@@ -32,17 +32,17 @@ struct Cloud {
 struct Unknown {
     bool radii, normals;
 };
-void set_from_neighbors(std::span<Point> points, std::span<const Unknown> unknown);
+void set_from_neighbors(std::span<Point> points, std::span<const Unknown> unknown, glm::vec3 up = {0, 1, 0});
 
 /// One disc of 4 triangles (192 bytes) or ball of 8 (384) a point, in order. Points whose position is not finite are
 /// left out with a note: scanners write them for what they did not see. Throws if there are no others.
-Loaded drawn(Cloud cloud);
+Loaded drawn(Cloud cloud, const LoadOptions& options = {});
 
 /// A table of numbers, with a count before it or several with theirs, or the names of its columns; see load.hpp.
 /// Where both can be meant, an intensity comes before the colors if `intensity_first`, as in PTS.
-Loaded read_point_table(std::string_view text, bool intensity_first);
+Loaded read_point_table(std::string_view text, bool intensity_first, const LoadOptions& options = {});
 /// Whether a file named .xyz is one, and not a molecule.
 bool is_point_table(std::string_view text);
-Loaded read_pcd(std::string_view bytes);
+Loaded read_pcd(std::string_view bytes, const LoadOptions& options = {});
 
 }  // namespace farfield::scenes::detail

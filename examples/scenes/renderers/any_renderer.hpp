@@ -70,6 +70,9 @@ class AnyRenderer {
     virtual const CoverageWork* work() const = 0;
     /// Likewise, with the places; null unless RendererChoice::maps_work.
     virtual const CoverageWorkImage* work_map() const = 0;
+    /// What the last frame drew, seen from above and behind, its frustum outlined in green and images that cells were
+    /// drawn by in red; null unless RendererChoice::looks_on and there were any. The next frame forgets it.
+    virtual const Image* from_outside() { return nullptr; }
 };
 
 /// `is_strict`: what is drawn comes in strict order, which coverage masks make use of. Throws std::invalid_argument for
@@ -98,6 +101,7 @@ class RendererLike {
     explicit RendererLike(std::unique_ptr<AnyRenderer> renderer) : renderer_(std::move(renderer)) {}
 
     const AnyRenderer& any() const { return *renderer_; }
+    AnyRenderer& any() { return *renderer_; }
     const Image& image() const { return renderer_->image(); }
 
     template <PrimitiveWithPolygons P>

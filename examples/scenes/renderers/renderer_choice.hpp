@@ -26,6 +26,7 @@ struct RendererChoice {
     bool far_field_by_area_law = false;  ///< of coverage masks: instead of FarCoverage::samples
     bool masks_by_table = false;         ///< of coverage masks at 64 samples: edges quantized, as in 1996
     bool maps_work = false;              ///< coverage masks tell where they visit cells, too, which takes time
+    bool looks_on = false;               ///< what it drew can be seen from outside, which takes time and memory
     unsigned threads = 1;                ///< above 1: bands of the picture are drawn at once; without maps_work
 };
 

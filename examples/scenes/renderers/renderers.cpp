@@ -4,6 +4,7 @@
 #include "farfield/renderer/painter_renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "scenes/renderers/coverage_renderers.hpp"
+#include "scenes/renderers/onlooker.hpp"
 
 namespace farfield::scenes {
 namespace {
@@ -21,6 +22,11 @@ std::unique_ptr<AnyRenderer> coverage_renderer([[maybe_unused]] const RendererCh
 }  // namespace
 
 std::unique_ptr<AnyRenderer> make_renderer(const RendererChoice& choice, bool is_strict) {
+    if (choice.looks_on) {
+        RendererChoice alone = choice;
+        alone.looks_on = false;
+        return std::make_unique<Onlooker>(make_renderer(alone, is_strict));
+    }
     ZBufferOptions z_buffer;
     z_buffer.samples = choice.samples;
     z_buffer.culls_back_faces = choice.culls_back_faces;

@@ -28,6 +28,12 @@ inline float length_unit(const Cell& cell) {
     return std::ldexp(1.0f, glm::clamp(exponent_of(cell.largest_side()), -126, 126));
 }
 
+/// The area of a box's outline, seen from a unit vector.
+inline float outline_of(glm::vec3 half, glm::vec3 w) {
+    const glm::vec3 sides = glm::abs(w) * glm::vec3(half.y * half.z, half.z * half.x, half.x * half.y);
+    return 4 * (sides.x + sides.y + sides.z);
+}
+
 /// The faces of a cell that look at the viewer, and how large they are to it.
 struct VisibleFaces {
     std::array<std::uint8_t, 3> side{};  ///< 0..5: -x, +x, -y, +y, -z, +z

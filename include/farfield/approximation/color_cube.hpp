@@ -53,6 +53,7 @@ struct ColorCube {
                                               .stands_in = true,
                                               .merges_octants = true,
                                               .bounds_error = true,
+                                              .expects_error = true,
                                               .compares = true,
                                               .provides_area_law = true,
                                               .file_tag = 0x43430003u};
@@ -120,6 +121,22 @@ struct ColorCube {
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
         return least_projected_side(cell, levels, view);
+    }
+
+    float covered_part(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+        const VisibleFaces faces(cell, view);
+        float covered = 0, outline = 0;
+        for (std::size_t i = 0; i < std::size_t(faces.count); ++i) {
+            covered += faces.projected[i] * (1.0f / 255) * float(data[faces.side[i]].a);
+            outline += faces.projected[i];
+        }
+        // Contents that no sample met may take half of the room of one.
+        const float unseen = 0.5f / float(samples == 0 ? 16 : samples * samples);
+        return outline > covered ? std::max(covered / outline, unseen) : 1.0f;
+    }
+    /// Off its axes a cube covers too much, however small it is.
+    float expected_rmse(float side_px, float covered) const {
+        return 0.9f * std::sqrt(covered) * side_px / (side_px + 0.8f);
     }
 
     /// The law of the faces' mean opacity, weighted by itself: faces that see a surface on edge say nothing about it.

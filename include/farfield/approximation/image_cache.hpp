@@ -18,9 +18,12 @@ struct ImageCache : Inner {
     static constexpr ApproximationFacts facts = [] {
         ApproximationFacts f = Inner::facts;
         f.caches_images = true;
-        f.file_tag = 0;
         return f;
     }();
+
+    /// Files hold what this one holds, and can be opened as either; what is kept of images is the viewer's, and how is
+    /// said anew.
+    using stored_approximation = Inner;
 
     ImageCacheOptions image_options{};
 

@@ -48,6 +48,7 @@ struct OpacityTensor {
                                               .stands_in = true,
                                               .merges_octants = true,
                                               .bounds_error = true,
+                                              .expects_error = true,
                                               .provides_area_law = true,
                                               .file_tag = 0x4f540002u};
 
@@ -114,6 +115,19 @@ struct OpacityTensor {
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
         return least_projected_side(cell, levels, view);
+    }
+
+    float covered_part(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+        const TensorAppearance appearance = appearance_of(data);
+        const glm::vec3 w = direction_of(view.towards_viewer(appearance.center_in(cell)));
+        const float area = appearance.seen_from(w).area, outline = outline_of(cell.half / tensor_unit(cell), w);
+        // A sheet on edge is not nothing.
+        return outline > area ? std::max(area / outline, 1.0f / 256) : 1.0f;
+    }
+    /// Below a pixel places do not matter, and areas are right to a fifth; above, what lies in the cell is spread over
+    /// a rectangle.
+    float expected_rmse(float side_px, float covered) const {
+        return 0.8f * (std::sqrt(covered) * side_px + 0.25f * covered) / (side_px + 1);
     }
 
     /// One splat, or three faces that cross where the renderer has no splats.

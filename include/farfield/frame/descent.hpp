@@ -4,6 +4,7 @@
 //     outside the frustum                                              -> cull
 //     has a stand-in whose error from here is within tolerance         -> draw the stand-in
 //     hidden as far as the sink can tell                               -> cull
+//     no more is wanted than point sampling gives, and costs less      -> draw the subtree's primitives, one run
 //     nothing below can stand in and all of it lies in the frustum     -> draw the subtree's primitives, one run (*)
 //     otherwise                                                        -> draw the own run, visit the children in order
 //
@@ -163,13 +164,16 @@ class Descent {
         const Node& node = h.nodes()[subtree.node];
         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
             if (may_stand_in(v, subtree, node)) {
-                const float left = v.view.fade > 0 ? fading(v, subtree, node) : 0;
-                const float all = std::exchange(weight_, weight_ * (1 - left));
-                draw_stand_in(v, subtree);
-                weight_ = all * left;
-                if (left > 0) visit_contents(v, subtree, node, subtree.end_item - node.first_item, law, false);
-                weight_ = all;
-                return;
+                if (keeps_wanted_error(v, subtree, node)) {
+                    const float left = v.view.fade > 0 ? fading(v, subtree, node) : 0;
+                    const float all = std::exchange(weight_, weight_ * (1 - left));
+                    draw_stand_in(v, subtree);
+                    weight_ = all * left;
+                    if (left > 0) visit_contents(v, subtree, node, subtree.end_item - node.first_item, law, false);
+                    weight_ = all;
+                    return;
+                }
+                ++stats_.cells_too_coarse;
             }
         }
         if constexpr (Cut::is_limited) {
@@ -184,6 +188,13 @@ class Descent {
         if constexpr (R::facts.answers_hidden) {
             if (items >= min_items_for_occlusion_query && !visits_all<V>() && sink_.hidden(v, subtree)) {
                 ++stats_.cells_hidden;
+                return;
+            }
+        }
+        if constexpr (V::hierarchy_type::approximation_type::facts.stands_in && may_draw_whole<V>) {
+            if (is_cheaper_exactly(v, subtree, node, items)) {
+                ++stats_.cells_cheaper;
+                draw_whole(v, subtree, node, law);
                 return;
             }
         }
@@ -257,6 +268,56 @@ class Descent {
             v.hierarchy.approximation_policy().error_px(data, subtree.cell, v.view) * error_of_replaced_levels(node);
         const float tolerance = cell_tolerance(v.view, v.path, subtree.node), first = tolerance * (1 - v.view.fade);
         return error > first ? std::min((error - first) / (tolerance - first), 1.0f) : 0.0f;
+    }
+
+    /// Where nothing is known of errors, whatever the tolerance allows is good.
+    template <class V>
+    static bool keeps_wanted_error(const V& v, const Subtree& subtree, const Node& node) {
+        if constexpr (V::hierarchy_type::approximation_type::facts.expects_error) {
+            return v.view.wanted.is_any() ||
+                   errs_no_more(v, covered_part(v, subtree), side_px(v, subtree) * error_of_replaced_levels(node));
+        } else {
+            return true;
+        }
+    }
+    template <class V>
+    static bool errs_no_more(const V& v, float covered, float side_px) {
+        const float rmse = v.hierarchy.approximation_policy().expected_rmse(side_px, covered);
+        return rmse <= largest_rmse(v.view.wanted, side_px, covered);
+    }
+    template <class V>
+    static float covered_part(const V& v, const Subtree& subtree) {
+        const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
+        return v.hierarchy.approximation_policy().covered_part(data, subtree.cell, v.view);
+    }
+    /// Finite, so that errors are.
+    template <class V>
+    static float side_px(const V& v, const Subtree& subtree) {
+        return std::min(v.view.pixels(subtree.cell.largest_side(), v.view.distance_to(subtree.cell)), 0x1p20f);
+    }
+
+    /// Whether point sampling the subtree's primitives costs less than the stand-ins that would be drawn for it: four
+    /// times as many a level, as of a surface, down to cells that are small enough by the tolerance and, from near to
+    /// these on, by what they are expected to err, if they are covered as this one is. (The contents of a tree's crown
+    /// are the thinner the smaller the cells.) For three cells that are drawn four are visited. Twice their price
+    /// counts: that of a primitive is what drawing one costs, and many a point sampled one meets no sample.
+    template <class V>
+    static bool is_cheaper_exactly(const V& v, const Subtree& subtree, const Node& node, std::uint32_t items) {
+        if (!v.view.wanted.is_point_sampling() || node.child_mask == 0) return false;
+        if (subtree.crossed_planes != 0 && items > max_items_unculled) return false;
+        const auto price = [&](const Work& work) { return v.hierarchy.cost_policy().cost(work); };
+        const float exact = price({.triangles = float(items), .runs = 1});
+        const float stand_in = 2 * price({.splats = 1, .cells = 4.0f / 3});
+        float cost = float(bits_set[node.child_mask]) * stand_in, side = 0.5f * side_px(v, subtree);
+        const bool is_near = side <= v.view.tolerance_px;
+        for (; cost < exact && side > v.view.tolerance_px; side *= 0.5f) cost *= 4;
+        if constexpr (V::hierarchy_type::approximation_type::facts.expects_error) {
+            if (is_near && cost < exact && subtree.has_stand_in()) {
+                const float covered = covered_part(v, subtree);
+                for (; cost < exact && !errs_no_more(v, covered, side); side *= 0.5f) cost *= 4;
+            }
+        }
+        return cost >= exact;
     }
 
     /// False only if no cell below can be drawn by its stand-in.

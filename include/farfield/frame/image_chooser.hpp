@@ -69,6 +69,7 @@ struct WantedImage {
     LocalView view;
     Subtree subtree;
     ImageRect rect;
+    int slices = 1;
     float contents_price = 0;  ///< of drawing what the picture shows of it, by images below that are kept
     float making_price = 0;    ///< of drawing all of it
     void (*draw)(Maker&, const WantedImage&, const LocalView& image_view) = nullptr;
@@ -166,7 +167,10 @@ class ImageChooser {
         const glm::vec2 size =
             glm::vec2(length_of(image.across), length_of(image.down)) * v.view.focal_px * v.view.squeeze;
         return v.hierarchy.cost_policy().cost(
-            {.images = float(image.slices), .texels = size.x * size.y * float(image.slices), .cells = 1});
+            // Slices are cropped: four of a tree have twice the texels of one.
+            {.images = float(image.slices),
+             .texels = size.x * size.y * (1 + 0.375f * float(image.slices - 1)),
+             .cells = 1});
     }
 
     /// "amortizedCost < cost to draw contents" (UpdateNode). If so the cell is wanted, and nothing below it.
@@ -180,24 +184,27 @@ class ImageChooser {
             return false;
         // To find out how long an image lives costs as much as to draw some.
         constexpr float deciding = 32;
-        if (!(contents > deciding * v.hierarchy.cost_policy().cost({.images = float(options_.slices)}))) return false;
+        if (!(contents > deciding * v.hierarchy.cost_policy().cost({.images = 1}))) return false;
         const std::optional<ImageRect> rect = image_rect(view, cell.bounds_center, cell.bounds_half);
         // "If the dimensions of the rectangle exceed those of the viewport, no image is cached."
         if (!rect || rect->width > view.part.whole_width || rect->height > view.part.whole_height) return false;
-        const CellImage planned = planned_image(view, cell.bounds_center, cell.bounds_half, *rect, options_.slices);
-        const float drawing = price_of_drawing(v, planned);
-        if (!(drawing < contents)) return false;
-        const float making = whole / visible_part(view, *rect) * making_factor();
-        LocalView later = view;
-        const std::uint32_t lives =
-            1 + life_span(ExpectedPath::farthest, [&](std::uint32_t k) {
-                const glm::vec3 moved = path_.after(k);
-                later.eye = view.eye + (view.right * moved.x + view.up * moved.y + view.forward * moved.z) / view.scale;
-                return is_good(planned, later, options_);
-            });
-        const float amortized = making / float(lives) + drawing;
-        if (!(amortized < contents)) return false;
-        price_ = open.price + double(amortized);
+        const float making_whole = whole / visible_part(view, *rect);
+        float best = contents, making = 0;
+        int slices = 0;
+        // Slices are worth their texels only where one rectangle is soon wrong.
+        for (int n = options_.slices; n > 0; n /= 2) {
+            const CellImage planned = planned_image(view, cell.bounds_center, cell.bounds_half, *rect, n);
+            const float drawing = price_of_drawing(v, planned);
+            if (!(drawing < best)) continue;
+            const std::uint32_t lives = 1 + frames_good(planned, view);
+            const float amortized = making_whole * making_factor(n) / float(lives) + drawing;
+            if (!(amortized < best)) continue;
+            best = amortized;
+            making = making_whole * making_factor(n);
+            slices = n;
+        }
+        if (slices == 0) return false;
+        price_ = open.price + double(best);
         wanted_.erase(wanted_.begin() + std::ptrdiff_t(open.wanted), wanted_.end());
         wanted_.push_back({.cell = open.cell,
                            .hierarchy = &v.hierarchy,
@@ -206,10 +213,26 @@ class ImageChooser {
                            .view = view,
                            .subtree = subtree,
                            .rect = *rect,
+                           .slices = slices,
                            .contents_price = float(present_price_ - open.present_price),
                            .making_price = making,
                            .draw = &draw_wanted<V>});
         return true;
+    }
+
+    /// The number of frames to come in which an image serves.
+    std::uint32_t frames_good(CellImage image, const LocalView& view) const {
+        if (options_.most_speed > 0 && view.is_perspective) {
+            set_safety_zone(image, view, options_);
+            return frames_within(image.safe_radius * view.scale, options_.most_speed, options_.most_acceleration,
+                                 ExpectedPath::farthest);
+        }
+        LocalView later = view;
+        return life_span(ExpectedPath::farthest, [&](std::uint32_t k) {
+            const glm::vec3 moved = path_.after(k);
+            later.eye = view.eye + (view.right * moved.x + view.up * moved.y + view.forward * moved.z) / view.scale;
+            return is_good(image, later, options_);
+        });
     }
 
     /// The part of a rectangle that lies in the picture; above 0.
@@ -220,8 +243,8 @@ class ImageChooser {
         return overlap(rect.left, rect.width, view.part.whole_width) *
                overlap(rect.top, rect.height, view.part.whole_height);
     }
-    /// Slices are drawn one by one, and what crosses two is drawn twice.
-    float making_factor() const { return 1 + 0.25f * float(options_.slices - 1); }
+    /// What a nearer slice hides is drawn all the same, and what crosses two is drawn twice.
+    static float making_factor(int slices) { return 1 + 0.0625f * float(slices - 1); }
 
     template <class V>
     static void draw_wanted(Maker& maker, const WantedImage<Maker>& wanted, const LocalView& image_view) {

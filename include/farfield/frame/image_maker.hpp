@@ -83,7 +83,7 @@ class DrawWithImages : public DrawNow<R> {
     }
     template <class V>
     bool may_be_in_image(const V& v, const CellImage& image) {
-        if (image.is_of_images || options_.slices > 1) return false;
+        if (image.is_of_images || image.slices > 1) return false;
         const float half = sine_of_pixels(0.5f * options_.threshold_px, v.view);
         const float radius =
             options_.is_conservative ? conservative_radius(image.place, half) : safety_radius(image.place, half);
@@ -137,12 +137,14 @@ class ImageMaker {
         Descent<R, ImageChooser<ImageMaker>> descent(sources_, instances, stats_, chooser, deposits);
         descent.enter(hierarchy, primitives, view, 0);
         float overhead = options.most_overhead * chooser.price();
+        float making = options.most_making;
         std::size_t made = 0;
         for (const WantedImage<ImageMaker>& wanted : wanted_) {
             const float more = std::max(0.0f, wanted.making_price - wanted.contents_price);
-            if (made == options.most_made || more > overhead) continue;
+            if (made == options.most_made || more > overhead || wanted.making_price > making) continue;
             if (!make(wanted)) continue;
             overhead -= more;
+            making -= wanted.making_price;
             ++made;
         }
         return made;
@@ -170,36 +172,49 @@ class ImageMaker {
         KeptCell& cell = kept_.cell(wanted.cell);
         const auto free_handle = [&](std::uint32_t handle) { renderer_.free_image(handle); };
         if (cell.image != KeptCell::no_image) kept_.forget(cell, free_handle);
-        const std::uint64_t bytes = std::uint64_t(options_->slices) *
-                                    std::uint64_t(renderer_.image_bytes(wanted.rect.width, wanted.rect.height));
+        const std::uint64_t bytes =
+            std::uint64_t(wanted.slices) * std::uint64_t(renderer_.image_bytes(wanted.rect.width, wanted.rect.height));
         if (!kept_.make_room(bytes, options_->budget_bytes, free_handle)) return false;
         CellImage image = planned_image(wanted.view, wanted.subtree.cell.bounds_center, wanted.subtree.cell.bounds_half,
-                                        wanted.rect, options_->slices);
+                                        wanted.rect, wanted.slices);
         const LocalView view =
             wanted.view.rectangle(wanted.rect.left, wanted.rect.top, wanted.rect.width, wanted.rect.height);
         float inherited = std::numeric_limits<float>::infinity();
-        for (int i = 0; i < image.slices; ++i) {
-            const auto at = std::size_t(i);
-            LocalView slice = view;
-            if (image.slices > 1) {
-                const float none = std::numeric_limits<float>::infinity();
-                slice =
-                    view.between(i == 0 ? -none : image.ends[at], i + 1 == image.slices ? none : image.ends[at + 1]);
-            }
-            renderer_.begin_image(slice, image.depths[at], options_->samples);
-            wanted.draw(*this, wanted, slice);
-            image.handles[at] = renderer_.end_image();
-            if (image.handles[at] == 0) {
-                for (int done = 0; done < i; ++done) free_handle(image.handles[std::size_t(done)]);
-                cell.refused_frame = kept_.frame();
-                return false;
-            }
+        const auto slices = std::size_t(image.slices);
+        std::array<ImageSlice, ImageCacheOptions::most_slices> extents = image.extents;
+        // Nothing in the box is left out for a rounding.
+        extents[0].nearest = -std::numeric_limits<float>::infinity();
+        extents[slices - 1].farthest = std::numeric_limits<float>::infinity();
+        const auto draw = [&](const LocalView& as_seen) {
+            wanted.draw(*this, wanted, as_seen);
             image.is_of_images = image.is_of_images || images_in_image_ != 0;
             inherited = std::min(inherited, inherited_radius_);
+        };
+        if constexpr (R::facts.slices_images) {
+            renderer_.begin_image(view, std::span<const ImageSlice>(extents.data(), slices), options_->samples);
+            draw(view);
+            renderer_.end_image(std::span<std::uint32_t>(image.handles.data(), slices));
+        } else {
+            for (std::size_t i = 0; i < slices; ++i) {
+                const LocalView slice = slices == 1 ? view : view.between(extents[i].nearest, extents[i].farthest);
+                renderer_.begin_image(slice, extents[i].depth, options_->samples);
+                draw(slice);
+                image.handles[i] = renderer_.end_image();
+                if (image.handles[i] == 0) break;
+            }
+        }
+        const std::span<const std::uint32_t> handles(image.handles.data(), slices);
+        if (std::find(handles.begin(), handles.end(), 0u) != handles.end()) {
+            for (const std::uint32_t handle : handles) {
+                if (handle != 0) free_handle(handle);
+            }
+            cell.refused_frame = kept_.frame();
+            return false;
         }
         image.inherited_radius = inherited / wanted.view.scale;
         image.bytes = bytes;
         image.making_cost = wanted.making_price;
+        set_safety_zone(image, wanted.view, *options_);
         kept_.keep(cell, image);
         cell.drawn_frame = kept_.frame();
         return true;

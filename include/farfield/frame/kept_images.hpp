@@ -36,11 +36,12 @@ struct CellImage {
     ImagePlace place;  ///< with the depths of the slice asked for last
     int slices = 0;
     std::array<std::uint32_t, ImageCacheOptions::most_slices> handles{};
-    /// Depths of the rectangles, and, one more, those where slices begin and end.
-    std::array<float, ImageCacheOptions::most_slices> depths{};
-    std::array<float, ImageCacheOptions::most_slices + 1> ends{};
+    std::array<ImageSlice, ImageCacheOptions::most_slices> extents{};  ///< as far as the box reaches
     glm::vec3 corner{0}, across{0}, down{0};  ///< from the eye, at depth 1; in a parallel view as they are
     float pixels_a_unit = 1;                  ///< at the box's center
+    /// Seen from within this radius of where it was made, nothing in it subtends a larger angle than one of this sine:
+    /// the paper's safety zone, which is quick to ask.
+    float safe_radius = 0, safe_sine = 0;
     std::uint64_t bytes = 0;
     float making_cost = 0;
     /// What it shows is partly images of cells below: it is good inside this sphere, and for half the threshold.
@@ -49,14 +50,14 @@ struct CellImage {
 
     ImagePlace slice(int i) const {
         ImagePlace p = place;
-        p.depth = depths[std::size_t(i)];
-        p.nearest = ends[std::size_t(i)];
-        p.farthest = ends[std::size_t(i) + 1];
+        p.depth = extents[std::size_t(i)].depth;
+        p.nearest = extents[std::size_t(i)].nearest;
+        p.farthest = extents[std::size_t(i)].farthest;
         p.is_slice = slices > 1;
         return p;
     }
     ImageQuad quad(int i) const {
-        const float depth = depths[std::size_t(i)];
+        const float depth = extents[std::size_t(i)].depth;
         if (!place.is_perspective)
             return {handles[std::size_t(i)], place.eye + place.forward * depth + corner, across, down};
         return {handles[std::size_t(i)], place.eye + corner * depth, across * depth, down * depth};
@@ -100,18 +101,20 @@ inline CellImage planned_image(const LocalView& view, glm::vec3 center, glm::vec
     const float middle = view.depth(center), reach = glm::dot(glm::abs(view.forward), half);
     const float nearest = middle - reach, farthest = middle + reach;
     image.slices = slices;
-    // Parallax goes with the difference of inverse depths, so slices are even in those, and each rectangle lies at the
-    // mean of its ends. A single one lies "at constant depth through the center of the node's bounding box".
+    // Parallax goes with the difference of inverse depths, so slices are even in those, and each rectangle lies in the
+    // middle. Slices overlap by an eighth. A single one lies "at constant depth through the center of the node's
+    // bounding box".
     const auto between = [&](float part) {
         if (!view.is_perspective) return nearest + (farthest - nearest) * part;
         return 1 / (1 / nearest + (1 / farthest - 1 / nearest) * part);
     };
     for (int i = 0; i < slices; ++i) {
-        image.ends[std::size_t(i)] = between(float(i) / float(slices));
-        image.depths[std::size_t(i)] = slices == 1 ? middle : between((float(i) + 0.5f) / float(slices));
+        constexpr float overlap = 0.0625f;
+        const auto number = float(i), count = float(slices);
+        image.extents[std::size_t(i)] = {slices == 1 ? middle : between((number + 0.5f) / count),
+                                         i == 0 ? nearest : between((number - overlap) / count),
+                                         i + 1 == slices ? farthest : between((number + 1 + overlap) / count)};
     }
-    image.ends[0] = nearest;
-    image.ends[std::size_t(slices)] = farthest;
     const glm::dvec2 size(view.part.whole_width, view.part.whole_height);
     const glm::dvec2 axis = size * 0.5 * (1.0 + view.whole_off_center * glm::dvec2(-1, 1));
     const glm::vec2 unit = 1.0f / (view.focal_px * view.squeeze);
@@ -124,6 +127,23 @@ inline CellImage planned_image(const LocalView& view, glm::vec3 center, glm::vec
     return image;
 }
 
+/// The sine of the angle that displaces something by `part` of the threshold.
+inline float allowed_sine(const LocalView& view, const ImageCacheOptions& options, float part) {
+    const float pixels = options.threshold_px * part;
+    return options.is_conservative ? sine_of_pixels_anywhere(pixels, view) : sine_of_pixels(pixels, view);
+}
+/// Sets the zone in which the image is good for `part` of the threshold.
+inline void set_safety_zone(CellImage& image, const LocalView& view, const ImageCacheOptions& options) {
+    image.safe_sine = allowed_sine(view, options, image.is_of_images ? 0.5f : 1.0f);
+    image.safe_radius = std::numeric_limits<float>::infinity();
+    for (int i = 0; i < image.slices; i += std::max(1, image.slices - 1)) {
+        const ImagePlace place = image.slice(i);
+        image.safe_radius =
+            std::min(image.safe_radius, options.is_conservative ? conservative_radius(place, image.safe_sine)
+                                                                : safety_radius(place, image.safe_sine));
+    }
+}
+
 /// Whether an image may be drawn in a view in place of what it shows, with its error at most `part` of the threshold.
 inline bool is_good(const CellImage& image, const LocalView& view, const ImageCacheOptions& options, float part = 1) {
     const glm::vec3 from_center = glm::abs(view.eye - image.place.center);
@@ -134,12 +154,17 @@ inline bool is_good(const CellImage& image, const LocalView& view, const ImageCa
         return false;
     if (!(length_of(view.eye - image.place.eye) <= image.inherited_radius)) return false;
     if (image.is_of_images) part *= 0.5f;
-    for (int i = 0; i < image.slices; ++i) {
+    const bool is_safe = view.is_perspective && image.safe_sine > 0 &&
+                         length_of(view.eye - image.place.eye) <= image.safe_radius &&
+                         image.safe_sine <= allowed_sine(view, options, part);
+    // Slices between the first and the last are displaced less than one of these: see planned_image().
+    for (int i = 0; i < image.slices; i += std::max(1, image.slices - 1)) {
         const ImageQuad quad = image.quad(i);
         for (const glm::vec3& p :
              {quad.corner, quad.corner + quad.across, quad.corner + quad.down, quad.corner + quad.across + quad.down}) {
             if (!(view.depth(p) > view.near_depth)) return false;
         }
+        if (is_safe) continue;
         const ImagePlace slice = image.slice(i);
         const float displaced =
             options.is_conservative ? displacement_bound_px(slice, view) : displacement_px(slice, view);

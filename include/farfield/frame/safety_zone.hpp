@@ -123,6 +123,13 @@ inline float sine_bound(const ImagePlace& place, glm::vec3 eye) {
     return sine * (1 + 0x1p-16f);
 }
 
+/// The largest distance from the picture's center to a corner, in focal lengths.
+inline float corner_of_picture(const LocalView& view) {
+    const glm::vec2 half =
+        glm::vec2(view.part.whole_width, view.part.whole_height) / (2 * view.focal_px * view.squeeze);
+    return length_of(glm::vec3(half * (1.0f + glm::abs(glm::vec2(view.whole_off_center))), 0.0f));
+}
+
 /// The displacement in pixels at the picture's center that the paper's error stands for; in an orthographic view, that
 /// of the points at either end, which is exact.
 inline float displacement_px(const ImagePlace& place, const LocalView& view) {
@@ -143,11 +150,16 @@ inline float displacement_bound_px(const ImagePlace& place, const LocalView& vie
     constexpr float never = std::numeric_limits<float>::infinity();
     const float sine = sine_bound(place, view.eye);
     if (!(sine < 1)) return never;
-    const glm::vec2 half =
-        glm::vec2(view.part.whole_width, view.part.whole_height) / (2 * view.focal_px * view.squeeze);
-    const float corner = length_of(glm::vec3(half * (1.0f + glm::abs(glm::vec2(view.whole_off_center))), 0.0f));
+    const float corner = corner_of_picture(view);
     const float tangent = sine / std::sqrt(1 - sine * sine), slope = 1 - corner * tangent;
     return slope > 0 ? view.focal_px * ((corner + tangent) / slope - corner) * (1 + 0x1p-16f) : never;
+}
+
+/// The sine of the angle that displacement_bound_px() turns into so many pixels.
+inline float sine_of_pixels_anywhere(float pixels, const LocalView& view) {
+    const float corner = corner_of_picture(view), moved = pixels / view.focal_px;
+    const float tangent = moved / (1 + corner * corner + corner * moved) * (1 - 0x1p-16f);
+    return tangent / std::sqrt(1 + tangent * tangent);
 }
 
 /// The radius of the sphere around the image's eye from within which no corner and its image subtend more than an angle

@@ -21,6 +21,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/samples/depth_tested_fill.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
+#include "farfield/raster/samples/sliced_buffers.hpp"
 #include "farfield/raster/samples/z_buffer_canvas.hpp"
 #include "farfield/renderer.hpp"
 
@@ -41,7 +42,8 @@ class ZBufferRenderer {
                                          .draws_splats = true,
                                          .answers_hidden = true,
                                          .deposits_primitives = true,
-                                         .keeps_images = true};
+                                         .keeps_images = true,
+                                         .slices_images = true};
 
     /// Throws std::invalid_argument for a number of samples that is not a square of 1 to 8.
     explicit ZBufferRenderer(const ZBufferOptions& options = {})
@@ -67,7 +69,11 @@ class ZBufferRenderer {
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
-        canvas_.draw(source, ranges, detail::DepthTestedFill(canvas_.projection(), canvas_.buffers(), fill_));
+        if (canvas_.is_sliced()) {
+            canvas_.draw(source, ranges, detail::SlicedFill(canvas_.projection(), canvas_.slices(), fill_));
+        } else {
+            canvas_.draw(source, ranges, detail::DepthTestedFill(canvas_.projection(), canvas_.buffers(), fill_));
+        }
     }
     void draw(std::span<const Face> faces) { canvas_.draw(faces); }
     void draw(std::span<const Splat> splats) { canvas_.draw(splats); }
@@ -75,7 +81,11 @@ class ZBufferRenderer {
     void begin_image(const LocalView& view, float quad_depth, int samples) {
         canvas_.begin_image(view, quad_depth, samples);
     }
+    void begin_image(const LocalView& view, std::span<const ImageSlice> slices, int samples) {
+        canvas_.begin_image(view, slices, samples);
+    }
     std::uint32_t end_image() { return canvas_.end_image(); }
+    void end_image(std::span<std::uint32_t> handles) { canvas_.end_image(handles); }
     void free_image(std::uint32_t image) { canvas_.free_image(image); }
     std::size_t image_bytes(int width, int height) const { return canvas_.image_bytes(width, height); }
     void draw(std::span<const ImageQuad> quads) { canvas_.draw(quads); }
@@ -88,7 +98,7 @@ class ZBufferRenderer {
     /// stand-in's or a triangle's, nothing is hidden: an exact picture takes every primitive in the frustum.
     bool hidden(const Cell& cell, CellId) {
         detail::SampleBuffers& buffers = canvas_.buffers();
-        if (!buffers.has_far()) return false;
+        if (!buffers.has_far() || canvas_.is_sliced()) return false;
         const detail::SampleProjection& projection = canvas_.projection();
         const glm::vec3 p = projection.project(cell.bounds_center);
         const float radius = length_of(cell.bounds_half);

@@ -64,6 +64,23 @@ template <class A>
 concept ChecksPoolIfAny = !A::facts.has_pool || ChecksPool<A>;
 }  // namespace detail
 
+namespace detail {
+/// What files hold of an approximation's options: all, but where it names another that it is stored as.
+template <class A>
+struct StoredApproximation {
+    using type = A;
+};
+template <class A>
+requires requires {
+    typename A::stored_approximation;
+}
+struct StoredApproximation<A> {
+    using type = typename A::stored_approximation;
+};
+template <class A>
+using stored_approximation_of = typename StoredApproximation<A>::type;
+}  // namespace detail
+
 /// Options are numbers alone; records have no padding either, for they are written as they lie in memory.
 template <class Partition_>
 concept StorablePartition =
@@ -72,9 +89,10 @@ concept StorablePartition =
         detail::ChecksNodeDataIfAny<Partition_>;
 
 template <class A>
-concept StorableApproximation = Approximation<A> && std::default_initializable<A> && A::facts.file_tag != 0 &&
-                                detail::MadeOfNumbers<A>&& detail::WithoutPadding<typename A::stand_in_data>&&
-                                    detail::WithoutPadding<pool_element_of<A>>&& detail::ChecksPoolIfAny<A>;
+concept StorableApproximation =
+    Approximation<A> && std::default_initializable<A> && A::facts.file_tag != 0 &&
+    detail::MadeOfNumbers<detail::stored_approximation_of<A>>&& detail::WithoutPadding<typename A::stand_in_data>&&
+        detail::WithoutPadding<pool_element_of<A>>&& detail::ChecksPoolIfAny<A>;
 
 template <class C>
 concept StorableCostModel =
@@ -160,7 +178,7 @@ constexpr std::uint64_t next_section(std::uint64_t offset) {
 template <class H>
 constexpr std::array<std::uint64_t, section_count> record_bytes() {
     return {bytes_of_numbers<typename H::partition_type>(),
-            bytes_of_numbers<typename H::approximation_type>(),
+            bytes_of_numbers<stored_approximation_of<typename H::approximation_type>>(),
             bytes_of_numbers<typename H::cost_model_type>(),
             sizeof(Node),
             stored_size<typename H::node_data>,

@@ -144,7 +144,8 @@ H open_bytes(const FileBytes& file, const std::filesystem::path& where, const Op
         return read_numbers(
             file.bytes.subspan(std::size_t(entry.count != 0 ? entry.offset : 0), std::size_t(entry.bytes())), policy);
     };
-    if (!read(Section::partition_options, partition) || !read(Section::approximation_options, approximation) ||
+    if (!read(Section::partition_options, partition) ||
+        !read(Section::approximation_options, static_cast<stored_approximation_of<A>&>(approximation)) ||
         !read(Section::cost_options, cost)) {
         refuse_file("open", where, "is damaged: an option is neither true nor false");
     }

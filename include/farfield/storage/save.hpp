@@ -89,7 +89,8 @@ class FileContents {
   public:
     FileContents(const H& hierarchy, const std::filesystem::path& where)
         : partition_(bytes_of(hierarchy.partition_policy())),
-          approximation_(bytes_of(hierarchy.approximation_policy())),
+          approximation_(
+              bytes_of<stored_approximation_of<typename H::approximation_type>>(hierarchy.approximation_policy())),
           cost_(bytes_of(hierarchy.cost_policy())) {
         const auto& arrays = hierarchy.arrays();
         if (const char* why =

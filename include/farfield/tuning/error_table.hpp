@@ -25,15 +25,9 @@
 #include <vector>
 
 #include "farfield/fail.hpp"
+#include "farfield/wanted_error.hpp"
 
 namespace farfield {
-
-/// The largest error that a picture may have.
-struct WantedError {
-    /// A root mean square error as ToleranceTrial's. None: no worse than point sampling, which is what exact geometry
-    /// errs by at as many samples a pixel.
-    std::optional<double> rmse{};
-};
 
 /// What frames at one tolerance err by and cost.
 struct ToleranceTrial {

@@ -23,6 +23,7 @@
 #include "farfield/simd.hpp"
 #include "farfield/view.hpp"
 #include "farfield/view/frustum.hpp"
+#include "farfield/wanted_error.hpp"
 
 namespace farfield {
 
@@ -44,6 +45,7 @@ struct LocalView {
     float far_depth = std::numeric_limits<float>::infinity();  ///< local units
     float scale = 1;  ///< world units in one local unit of length: multiply depths by it to compare instances
     float tolerance_px = 1;
+    WantedError wanted = WantedError::any();
     float tolerance_jitter = 0;
     float fade = 0;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
@@ -93,6 +95,7 @@ struct LocalView {
           near_depth(view.camera.near_depth),
           far_depth(view.camera.far_depth),
           tolerance_px(view.tolerance_px),
+          wanted(view.wanted),
           tolerance_jitter(view.tolerance_jitter),
           fade(view.fade),
           distance(view.distance),

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/rgba8.hpp"
 #include "farfield/raster/far_field/far_sample.hpp"
 #include "farfield/raster/far_field/transmittance_lanes.hpp"
 #include "farfield/raster/sample_rect.hpp"
@@ -24,6 +25,11 @@ namespace farfield::detail {
 /// through any more is *closed*: no deposit and nothing behind its first deposit can change it. So what is left out
 /// because it is hidden leaves no trace, and tiles, where more is hidden, are parts of the whole picture.
 class FarSamples {
+    struct Bits {
+        std::uint64_t open = ~std::uint64_t(0);
+        std::uint64_t touched = 0;  ///< deposited into since the last clear()
+    };
+
   public:
     using Sample = FarSample;
 
@@ -86,15 +92,49 @@ class FarSamples {
         for (int x = begin; x < end; ++x) into(row, x, q(x), deposit, columns, rows);
     }
 
-    /// Deposits into one sample inside the picture, covered whole.
-    template <class Depths>
-    void deposit_sample(const Depths& depths, int x, int y, float q, Loss loss, glm::vec3 rgb) {
-        const auto row = row_of(depths, y);
-        const native_lanes::Square whole(0, 0, 1, 1, 1, 1);
-        if (x < rect_.x0 || y < rect_.y0 || x >= rect_.x1 || y >= rect_.y1) rect_.add(x, y, x + 1, y + 1);
-        into(row, x, q, native_lanes::Deposit(loss, rgb), whole.columns(0), whole.rows(0));
-    }
+    /// Eight samples of a row, the first one's x a multiple of eight; those beyond the picture must not be used.
+    class Eight {
+      public:
+        /// Deposits something that covers a sample whole and is nearer than geometry there. The color is premultiplied,
+        /// alpha neither 0 nor 255.
+        void deposit(unsigned i, float q, Rgba8 color) {
+            const std::uint64_t bit = first_bit_ << i;
+            if ((bits_.open & bit) == 0) return;
+            Sample& s = samples_[i];
+            if ((bits_.touched & bit) == 0) {
+                bits_.touched |= bit;
+                first_deposit_[i] = q;
+                // What the first one finds is known: most are, and memory is slow.
+                const auto lane = std::uint16_t(lanes::one - color.a * 257);
+                const float left = float(lane) * (1.0f / float(lanes::one)), part = (1 - left) / float(color.a);
+                s = {float(color.r) * part, float(color.g) * part, float(color.b) * part, left};
+                std::fill_n(s.lane, lanes::count, lane);
+                return;
+            }
+            const float part = 1 / float(color.a);
+            const glm::vec3 rgb = glm::vec3(float(color.r), float(color.g), float(color.b)) * part;
+            const native_lanes::Square whole(0, 0, 1, 1, 1, 1);
+            const native_lanes::Deposit deposit(loss_of_opacity(float(color.a) * (1 / 255.0f), AreaLaw::independent),
+                                                rgb);
+            if (deposit.into(s, whole.columns(0), whole.rows(0))) bits_.open &= ~bit;
+        }
 
+      private:
+        friend class FarSamples;
+        Eight(Bits& bits, Sample* samples, float* first_deposit, std::uint64_t first_bit)
+            : bits_(bits), samples_(samples), first_deposit_(first_deposit), first_bit_(first_bit) {}
+
+        Bits& bits_;
+        Sample* samples_;
+        float* first_deposit_;
+        std::uint64_t first_bit_;
+    };
+    Eight eight(int x, int y) {
+        const std::size_t at = index(x, y);
+        rect_.add(x, y, std::min(x + 8, width_), y + 1);
+        return {bits_[std::size_t(y) * words_ + std::size_t(x >> 6)], &samples_[at], &first_deposit_[at],
+                std::uint64_t(1) << (x & 63)};
+    }
     /// Deposits a square: each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are
     /// rounded to about 1/1000 of a sample, equal ones equally, so that adjoining squares cover nothing twice. The
     /// square is cut off at the picture's border.
@@ -173,10 +213,6 @@ class FarSamples {
     }
 
   private:
-    struct Bits {
-        std::uint64_t open = ~std::uint64_t(0);
-        std::uint64_t touched = 0;  ///< deposited into since the last clear()
-    };
     template <class DepthsOfRow>
     struct Row {
         std::size_t first;

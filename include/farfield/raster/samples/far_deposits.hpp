@@ -16,11 +16,11 @@
 
 namespace farfield::detail {
 
-/// SampleBuffers::begin_far() must come before the first deposit.
+/// Buffers::begin_far() must come before the first deposit: SampleBuffers, or SlicedBuffers.
+template <class Buffers>
 class FarDeposits {
   public:
-    FarDeposits(const SampleProjection& projection, SampleBuffers& buffers)
-        : projection_(projection), buffers_(buffers) {}
+    FarDeposits(const SampleProjection& projection, Buffers& buffers) : projection_(projection), buffers_(buffers) {}
 
     /// Deposits into each sample that the face covers.
     void add(const Face& face) {
@@ -54,7 +54,7 @@ class FarDeposits {
 
   private:
     const SampleProjection& projection_;
-    SampleBuffers& buffers_;
+    Buffers& buffers_;
 };
 
 }  // namespace farfield::detail

@@ -10,6 +10,7 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -19,6 +20,7 @@
 #include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,20 +29,27 @@
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/image.hpp"
 #include "farfield/raster/sample_projection.hpp"
+#include "farfield/raster/sample_rect.hpp"
 #include "farfield/raster/samples/sample_blocks.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
+#include "farfield/raster/samples/sliced_buffers.hpp"
 
 namespace farfield::detail {
 
-/// Texels, row by row, inside a border of one transparent texel.
+/// Texels, row by row, inside a border of one transparent texel. Only the rectangle that holds something is kept.
 ///
 /// A texel's depth is told relative to the rectangle's: in perspective as the quotient of inverse depths, which hardly
 /// changes while the viewer moves as little as an image allows; in a parallel view as a difference.
 struct KeptImage {
-    int width = 0, height = 0;  ///< without the border
-    std::vector<Rgba8> color;   ///< premultiplied
+    int whole_width = 0, whole_height = 0;  ///< what ImageQuad lays out; 0: no image
+    int left = 0, top = 0;                  ///< of the whole that is not kept
+    int width = 0, height = 0;              ///< of what is kept, without the border
+    std::vector<Rgba8> color;               ///< premultiplied
     std::vector<std::uint16_t> depth;
     float least_depth = 1, depth_step = 0;
+    /// Texels are covered or not, none in part: then so is what lies between them, as a sample of geometry is. It is
+    /// decided by half; blending all edges would cost more than the rest of the image.
+    bool is_solid = true;
     std::vector<std::uint8_t> tiles;  ///< of 8 x 8 texels, the border counted: 0 where nothing is
 
     static constexpr int log2_tile = 3, tile = 1 << log2_tile;
@@ -58,16 +67,38 @@ inline float depth_bias_of(const SampleProjection& projection) {
     return projection.is_perspective ? -projection.q_of_depth : 0.0f;
 }
 
+/// The part of a rectangle of a picture that holds all of its pixels that are not transparent.
+inline SampleRect tight(const Image& colors, const SampleRect& in) {
+    SampleRect r;
+    for (int y = in.y0; y < in.y1; ++y) {
+        int x = in.x0, end = in.x1;
+        while (x < end && colors.at(x, y).a == 0) ++x;
+        while (end > x && colors.at(end - 1, y).a == 0) --end;
+        if (x < end) r.add(x, y, end, y + 1);
+    }
+    return r;
+}
+
 /// Takes an image of the size that `projection` has from what was drawn. `colors` is its picture, at least as large;
-/// the rectangle lies at `quad_depth` from the projection's anchor. `scratch` is kept from call to call.
+/// the rectangle lies at `quad_depth` from the projection's anchor, and holds nothing outside of a range of depths.
+/// `scratch` is kept from call to call.
 inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Image& colors,
-                       const SampleProjection& projection, float quad_depth, std::vector<float>& scratch) {
+                       const SampleProjection& projection, float quad_depth, const DepthRange& range,
+                       std::vector<float>& scratch) {
     const int side = buffers.samples_a_side();
-    kept.width = projection.whole_width / side;
-    kept.height = projection.whole_height / side;
+    kept.whole_width = projection.whole_width / side;
+    kept.whole_height = projection.whole_height / side;
+    SampleRect drawn = buffers.drawn_pixels();
+    drawn.x1 = std::min(drawn.x1, kept.whole_width);
+    drawn.y1 = std::min(drawn.y1, kept.whole_height);
+    drawn = tight(colors, drawn);
+    kept.left = drawn.x0;
+    kept.top = drawn.y0;
+    kept.width = drawn.is_empty() ? 0 : drawn.x1 - drawn.x0;
+    kept.height = drawn.is_empty() ? 0 : drawn.y1 - drawn.y0;
     const std::size_t stride = kept.stride(), count = stride * (std::size_t(kept.height) + 2);
     kept.color.assign(count, {0, 0, 0, 0});
-    kept.depth.assign(count, 0);
+    kept.depth.resize(count);
     kept.tiles.assign(kept.tile_columns() * ((std::size_t(kept.height) + 1 + KeptImage::tile) / KeptImage::tile), 0);
     const float bias = depth_bias_of(projection), quad = projection.q(quad_depth, projection.inverse_w(quad_depth));
     const bool by_quotient = projection.is_perspective;
@@ -75,15 +106,18 @@ inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Imag
     // NaN stands for a texel without depth.
     scratch.assign(count, std::numeric_limits<float>::quiet_NaN());
     float least = neutral, most = neutral;
+    kept.is_solid = true;
     for (int y = 0; y < kept.height; ++y) {
         const std::size_t row = std::size_t(y + 1) * stride + 1;
         for (int x = 0; x < kept.width; ++x) {
-            const Rgba8 c = colors.at(x, y);
+            const Rgba8 c = colors.at(kept.left + x, kept.top + y);
             if (c.a == 0) continue;
+            const float q = buffers.mean_depth(kept.left + x, kept.top + y);
+            if (std::isfinite(q) && !range.contains(q)) continue;
             kept.color[row + std::size_t(x)] = c;
+            kept.is_solid = kept.is_solid && c.a == 255;
             kept.tiles[std::size_t(y + 1) / KeptImage::tile * kept.tile_columns() +
                        std::size_t(x + 1) / KeptImage::tile] = 1;
-            const float q = buffers.mean_depth(x, y);
             const float relative = by_quotient ? (q + bias) / (quad + bias) : q - quad;
             if (!std::isfinite(relative)) continue;
             scratch[row + std::size_t(x)] = relative;
@@ -119,6 +153,20 @@ inline std::uint32_t mixed_bytes(std::uint32_t a, std::uint32_t b, std::uint32_t
     return low | high;
 }
 
+/// Something premultiplied that is to be opaque; alpha above 0.
+inline Rgba8 made_opaque(Rgba8 c) {
+    static constexpr std::array<std::uint32_t, 256> factors = [] {
+        std::array<std::uint32_t, 256> f{};
+        for (std::uint32_t a = 1; a < 256; ++a) f[a] = ((255u << 16) + a / 2) / a;
+        return f;
+    }();
+    const std::uint32_t factor = factors[c.a];
+    const auto channel = [&](std::uint8_t v) {
+        return std::uint8_t(std::min<std::uint32_t>((v * factor + 0x8000) >> 16, 255));
+    };
+    return {channel(c.r), channel(c.g), channel(c.b), 255};
+}
+
 /// Draws images into samples: opaque texels into the z-buffer, the others as deposits over it.
 /// SampleBuffers::begin_far() must come before.
 class ImageFill {
@@ -127,9 +175,20 @@ class ImageFill {
         : projection_(projection), buffers_(buffers) {}
 
     void add(const ImageQuad& quad, const KeptImage& image) {
-        if (!place(quad, image)) return;
+        if (image.width == 0 || !place(quad, image)) return;
         bias_ = depth_bias_of(projection_);
-        for (int y = y0_; y < y1_; ++y) fill_row(image, y);
+        constexpr int side = SampleBlocks::side;
+        for (int y = y0_ & -side; y < y1_; y += side) {
+            Corners corners;
+            corners.left[0] = corner_at(x0_ & -side, y);
+            corners.left[1] = corner_at(x0_ & -side, y + side);
+            for (int x = x0_ & -side; x < x1_; x += side) {
+                corners.right[0] = corner_at(x + side, y);
+                corners.right[1] = corner_at(x + side, y + side);
+                fill_block(image, corners, x, y);
+                corners.left = corners.right;
+            }
+        }
         if (has_drawn_) buffers_.blocks().add_drawn(x0_, y0_, x1_, y1_);
         has_drawn_ = false;
     }
@@ -145,8 +204,8 @@ class ImageFill {
     bool place(const ImageQuad& quad, const KeptImage& image) {
         const auto projected = [&](glm::vec3 p) { return glm::dvec3(projection_.project(p)); };
         const glm::dvec3 corner = projected(quad.corner);
-        const glm::dvec3 across = (projected(quad.corner + quad.across) - corner) / double(image.width);
-        const glm::dvec3 down = (projected(quad.corner + quad.down) - corner) / double(image.height);
+        const glm::dvec3 across = (projected(quad.corner + quad.across) - corner) / double(image.whole_width);
+        const glm::dvec3 down = (projected(quad.corner + quad.down) - corner) / double(image.whole_height);
         const double weight = double(projection_.depth_weight), bias = double(projection_.depth_bias);
         const auto column = [&](const glm::dvec3& d, double w) { return glm::dvec3(d.x, d.y, w); };
         const glm::dmat3 to_samples(column(across, across.z * weight), column(down, down.z * weight),
@@ -155,7 +214,8 @@ class ImageFill {
         if (!std::isfinite(determinant) || determinant == 0) return false;
         glm::dvec2 low(std::numeric_limits<double>::infinity()), high = -low;
         for (unsigned i = 0; i < 4; ++i) {
-            const glm::dvec3 p = to_samples * glm::dvec3((i & 1) ? image.width : 0, (i & 2) ? image.height : 0, 1);
+            const glm::dvec3 p = to_samples * glm::dvec3(image.left + ((i & 1) ? image.width : 0),
+                                                         image.top + ((i & 2) ? image.height : 0), 1);
             if (!(p.z > 0)) return false;
             const glm::dvec2 at =
                 (glm::dvec2(p) / p.z + glm::dvec2(projection_.offset_x, projection_.offset_y)) / 256.0;
@@ -181,134 +241,159 @@ class ImageFill {
         u_ = linear(0);
         v_ = linear(1);
         inverse_w_ = linear(2);
+        // Texels count from the border's first, relative to their centers.
+        first_u_ = 0.5f - float(image.left);
+        first_v_ = 0.5f - float(image.top);
         depth_at_corner_ = corner.z;
         depth_across_ = across.z;
         depth_down_ = down.z;
         return true;
     }
 
-    /// Where eight samples of a row lie in the image: in 1/65536 texels from the border's first, and the rectangle's
-    /// depth. Between the ends of such a run all of it is as good as linear.
+    /// Where a sample lies in the image, in 1/65536 texels from the border's first, and the rectangle's depth there.
+    struct Corner {
+        std::int32_t u = 0, v = 0;
+        float q = 0;
+    };
+    /// Where a block's first samples lie, and those of its neighbors to the right and below: between them all of it is
+    /// as good as linear.
+    struct Corners {
+        std::array<Corner, 2> left, right;  ///< upper, lower
+
+        bool are_inside_of(std::int32_t most) const {
+            for (const Corner& c : {left[0], left[1], right[0], right[1]}) {
+                if (std::max(std::abs(c.u), std::abs(c.v)) > most) return false;
+            }
+            return true;
+        }
+    };
+    /// Part of a row of samples.
     struct Run {
         std::int32_t u, v, u_step, v_step;
         float q, q_step;
-        bool is_inside;  ///< all of them touch texels, the border counted
     };
 
-    void fill_row(const KeptImage& image, int y) {
+    Corner corner_at(int x, int y) const {
+        const auto linear = [&](const Linear& l) { return float(l.x * x + (l.y * y + l.at_zero)); };
+        const float inverse_w = linear(inverse_w_), w = 1 / inverse_w;
+        const float u = linear(u_) * w, v = linear(v_) * w;
+        const float depth = float(depth_at_corner_) + float(depth_across_) * u + float(depth_down_) * v;
+        const auto whole = [](float t) { return std::int32_t(std::floor(t * 65536 + 0.5f)); };
+        constexpr float most = 2 * most_texels;
+        return {whole(glm::clamp(u + first_u_, -most, most)), whole(glm::clamp(v + first_v_, -most, most)),
+                projection_.q(depth, inverse_w)};
+    }
+
+    /// (x, y) is the block's first sample; not all of it lies in the picture.
+    void fill_block(const KeptImage& image, const Corners& corners, int x, int y) {
+        const auto [a, c] = corners.left;
+        const auto [b, d] = corners.right;
+        const auto [least_u, most_u] = std::minmax({a.u, b.u, c.u, d.u});
+        const auto [least_v, most_v] = std::minmax({a.v, b.v, c.v, d.v});
+        if (most_u < 0 || most_v < 0 || least_u >> 16 > image.width || least_v >> 16 > image.height) return;
+        // Nothing is magnified or made smaller so much that a block spans more.
+        if (!corners.are_inside_of(std::int32_t(most_texels) << 16)) return;
         SampleBlocks& blocks = buffers_.blocks();
-        for (int x = x0_; x < x1_;) {
-            const int next = std::min((x | (SampleBlocks::side - 1)) + 1, x1_);
-            const std::size_t at = blocks.index(x >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
-            Run run;
-            if (place_run(image, x, next - 1, y, run) && !is_hidden(image, run, next - x, blocks.farthest(at)) &&
-                holds_something(image, run, next - x)) {
-                fill_run(image, run, at, x, next, y);
+        const std::size_t at = blocks.index(x >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
+        const float nearest = std::max(std::max(a.q, b.q), std::max(c.q, d.q));
+        if (blocks.farthest(at) > at_relative(nearest, image.least_depth + 65535 * image.depth_step)) return;
+        if (!holds_something(image, least_u >> 16, least_v >> 16, most_u >> 16, most_v >> 16)) return;
+        const bool is_inside =
+            least_u >= 0 && least_v >= 0 && (most_u + 128) >> 16 <= image.width && (most_v + 128) >> 16 <= image.height;
+        constexpr int side = SampleBlocks::side;
+        const int first = std::max(x, x0_), end = std::min(x + side, x1_), last_row = std::min(y + side, y1_);
+        for (int row = std::max(y, y0_); row < last_row; ++row) {
+            const int down = row - y;
+            const std::int32_t u = a.u + (c.u - a.u) * down / side, v = a.v + (c.v - a.v) * down / side;
+            const float q = a.q + (c.q - a.q) * (float(down) / side);
+            Run run{u,
+                    v,
+                    (b.u + (d.u - b.u) * down / side - u) / side,
+                    (b.v + (d.v - b.v) * down / side - v) / side,
+                    q,
+                    (b.q + (d.q - b.q) * (float(down) / side) - q) * (1.0f / side)};
+            run.u += run.u_step * (first - x);
+            run.v += run.v_step * (first - x);
+            run.q += run.q_step * float(first - x);
+            if (is_inside) {
+                image.is_solid ? fill_run<true, true>(image, run, at, first, end, row)
+                               : fill_run<true, false>(image, run, at, first, end, row);
+            } else {
+                image.is_solid ? fill_run<false, true>(image, run, at, first, end, row)
+                               : fill_run<false, false>(image, run, at, first, end, row);
             }
-            x = next;
         }
     }
 
-    /// False if they lie outside of the image.
-    bool place_run(const KeptImage& image, int first, int last, int y, Run& run) const {
-        struct End {
-            float u, v, q;
-        };
-        const auto at = [&](int x) {
-            const auto linear = [&](const Linear& l) { return float(l.x * x + (l.y * y + l.at_zero)); };
-            const float inverse_w = linear(inverse_w_), w = 1 / inverse_w;
-            // Relative to the centers of texels, and one more for the border.
-            const float u = linear(u_) * w + 0.5f, v = linear(v_) * w + 0.5f;
-            const float depth =
-                float(depth_at_corner_) + float(depth_across_) * (u - 0.5f) + float(depth_down_) * (v - 0.5f);
-            return End{u, v, projection_.q(depth, inverse_w)};
-        };
-        const End a = at(first), b = first == last ? a : at(last);
-        const auto right = float(image.width + 1), bottom = float(image.height + 1);
-        if (!(std::max(a.u, b.u) >= 0 && std::max(a.v, b.v) >= 0 && std::min(a.u, b.u) < right &&
-              std::min(a.v, b.v) < bottom))
-            return false;
-        // Nothing is magnified or made smaller so much that eight samples span more.
-        constexpr float most = 16384;
-        if (!(std::abs(a.u) < most && std::abs(b.u) < most && std::abs(a.v) < most && std::abs(b.v) < most))
-            return false;
-        const auto whole = [](float v) { return std::int32_t(std::lround(v * 65536)); };
-        const std::int32_t u = whole(a.u), v = whole(a.v), u_end = whole(b.u), v_end = whole(b.v);
-        const int steps = std::max(last - first, 1);
-        run = {u,
-               v,
-               (u_end - u) / steps,
-               (v_end - v) / steps,
-               a.q,
-               (b.q - a.q) / float(steps),
-               std::min(a.u, b.u) >= 0 && std::min(a.v, b.v) >= 0 && std::max(a.u, b.u) < right - 0.01f &&
-                   std::max(a.v, b.v) < bottom - 0.01f};
-        return true;
-    }
-
-    /// Whether all samples of the block are nearer than anything in the image.
-    bool is_hidden(const KeptImage& image, const Run& run, int count, float farthest) const {
-        return farthest > at_relative(std::max(run.q, run.q + run.q_step * float(count - 1)),
-                                      image.least_depth + 65535 * image.depth_step);
-    }
     float at_relative(float quad_q, float relative) const {
         return projection_.is_perspective ? (quad_q + bias_) * relative - bias_ : quad_q + relative;
     }
 
-    static bool holds_something(const KeptImage& image, const Run& run, int count) {
-        const auto tiles_of = [](std::int32_t first, std::int32_t last, int size) {
-            const int low = std::max(std::min(first, last) >> 16, 0),
-                      high = std::min((std::max(first, last) >> 16) + 1, size);
-            return std::pair(low >> KeptImage::log2_tile, high >> KeptImage::log2_tile);
-        };
-        const auto [left, right] = tiles_of(run.u, run.u + run.u_step * (count - 1), image.width + 1);
-        const auto [top, bottom] = tiles_of(run.v, run.v + run.v_step * (count - 1), image.height + 1);
-        for (int row = top; row <= bottom; ++row) {
-            for (int column = left; column <= right; ++column) {
+    /// Whether texels of a rectangle, ends and their neighbors to the right and below included, may hold something.
+    static bool holds_something(const KeptImage& image, int left, int top, int right, int bottom) {
+        const int last_column = std::min(right + 1, image.width + 1) >> KeptImage::log2_tile;
+        const int last_row = std::min(bottom + 1, image.height + 1) >> KeptImage::log2_tile;
+        for (int row = std::max(top, 0) >> KeptImage::log2_tile; row <= last_row; ++row) {
+            for (int column = std::max(left, 0) >> KeptImage::log2_tile; column <= last_column; ++column) {
                 if (image.tiles[std::size_t(row) * image.tile_columns() + std::size_t(column)] != 0) return true;
             }
         }
         return false;
     }
 
+    /// Samples [first, end) of a row of a block.
+    template <bool is_inside, bool is_solid>
     void fill_run(const KeptImage& image, const Run& run, std::size_t at, int first, int end, int y) {
+        constexpr int side = SampleBlocks::side;
+        constexpr float nothing = -std::numeric_limits<float>::infinity();
+        static constexpr float undrawn[side] = {nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing};
         SampleBlocks& blocks = buffers_.blocks();
+        const int block_x = first & -side;
+        const std::size_t row_in_block = std::size_t(y & (side - 1)) * side;
         SampleBlocks::Samples* samples = nullptr;
-        float nearest = -std::numeric_limits<float>::infinity();
+        const auto open = [&] {
+            samples = &blocks.opened(at, first >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
+            return samples->depth + row_in_block;
+        };
+        // Depths of the row; a block that nothing has been drawn into is opened only for something opaque.
+        const float* depths = blocks.is_drawn(blocks.block(at)) ? open() : undrawn;
+        std::optional<FarSamples::Eight> deposits;
+        float nearest = nothing;
         const std::size_t stride = image.stride();
         std::int32_t u = run.u + 128, v = run.v + 128;  // rounded to 1/256
         float quad_q = run.q;
         for (int x = first; x < end; ++x, u += run.u_step, v += run.v_step, quad_q += run.q_step) {
             const int column = u >> 16, row = v >> 16;
-            if (!run.is_inside && (column < 0 || row < 0 || column > image.width || row > image.height)) continue;
+            if (!is_inside && (column < 0 || row < 0 || column > image.width || row > image.height)) continue;
             const std::size_t texel = std::size_t(row) * stride + std::size_t(column);
             std::uint32_t upper[2], lower[2];
             __builtin_memcpy(upper, image.color.data() + texel, sizeof upper);
             __builtin_memcpy(lower, image.color.data() + texel + stride, sizeof lower);
             if ((upper[0] | upper[1] | lower[0] | lower[1]) == 0) continue;
             const auto u_part = std::uint32_t(u >> 8 & 255), v_part = std::uint32_t(v >> 8 & 255);
-            const auto color = std::bit_cast<Rgba8>(
-                mixed_bytes(mixed_bytes(upper[0], upper[1], u_part), mixed_bytes(lower[0], lower[1], u_part), v_part));
-            if (color.a == 0) continue;
             const std::size_t nearest_texel = texel + (u_part >= 128 ? 1 : 0) + (v_part >= 128 ? stride : 0);
             const float q =
                 at_relative(quad_q, image.least_depth + image.depth_step * float(image.depth[nearest_texel]));
-            if (color.a < 255) {
-                buffers_.deposit_sample(x, y, q, color);
+            const auto i = unsigned(x - block_x);
+            if (!(q > depths[i])) continue;
+            auto color = std::bit_cast<Rgba8>(
+                mixed_bytes(mixed_bytes(upper[0], upper[1], u_part), mixed_bytes(lower[0], lower[1], u_part), v_part));
+            if (is_solid) {
+                if (color.a < 128) continue;
+                if (color.a < 255) color = made_opaque(color);
+            } else if (color.a == 0) {
+                continue;
+            } else if (color.a < 255) {
+                if (!deposits) deposits.emplace(buffers_.eight_deposits(block_x, y));
+                deposits->deposit(i, q, color);
                 continue;
             }
-            if (samples == nullptr) {
-                samples = &blocks.opened(at, first >> SampleBlocks::log2_side, y >> SampleBlocks::log2_side);
-            }
-            const std::size_t within = std::size_t(y & (SampleBlocks::side - 1)) * SampleBlocks::side +
-                                       std::size_t(x & (SampleBlocks::side - 1));
-            if (q > samples->depth[within]) {
-                samples->depth[within] = q;
-                samples->color[within] = color;
-                nearest = std::max(nearest, q);
-            }
+            if (samples == nullptr) depths = open();
+            samples->depth[row_in_block + i] = q;
+            samples->color[row_in_block + i] = color;
+            nearest = std::max(nearest, q);
         }
-        if (samples == nullptr) return;
+        if (nearest == nothing) return;
         blocks.filled(at, nearest);
         has_drawn_ = true;
     }
@@ -317,7 +402,8 @@ class ImageFill {
     SampleBuffers& buffers_;
     Linear u_, v_, inverse_w_;
     double depth_at_corner_ = 0, depth_across_ = 0, depth_down_ = 0;
-    float bias_ = 0;
+    float bias_ = 0, first_u_ = 0, first_v_ = 0;
+    static constexpr float most_texels = 16000;
     int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;  ///< relative to the upper left sample
     bool has_drawn_ = false;
 };

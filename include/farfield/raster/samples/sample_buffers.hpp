@@ -71,12 +71,16 @@ class SampleBuffers {
         far_.deposit_in_lane(blocks_, x - whole_x_, y - whole_y_, area, q, loss, rgb);
     }
 
-    /// Deposits something of this color, premultiplied, over what lies behind; coordinates from the upper left sample.
-    void deposit_sample(int x, int y, float q, Rgba8 color) {
-        const float opacity = float(color.a) * (1 / 255.0f);
-        const glm::vec3 rgb = glm::vec3(float(color.r), float(color.g), float(color.b)) * (1.0f / float(color.a));
-        far_.deposit_sample(blocks_, x, y, q, loss_of_opacity(opacity, AreaLaw::independent), rgb);
+    /// A rectangle that holds all pixels drawn to, from the upper left one.
+    SampleRect drawn_pixels() const {
+        SampleRect r = blocks_.drawn();
+        r.add(far_.rect());
+        if (r.is_empty()) return {};
+        return {r.x0 / side_, r.y0 / side_, (r.x1 - 1) / side_ + 1, (r.y1 - 1) / side_ + 1};
     }
+
+    /// See FarSamples::Eight; coordinates from the upper left sample.
+    FarSamples::Eight eight_deposits(int x, int y) { return far_.eight(x, y); }
 
     /// The mean depth, as q, of a pixel's samples that something covers: for each that of the nearest. -infinity: none.
     float mean_depth(int px, int py) const {

@@ -8,6 +8,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -25,6 +27,7 @@
 #include "farfield/raster/samples/far_deposits.hpp"
 #include "farfield/raster/samples/kept_image.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
+#include "farfield/raster/samples/sliced_buffers.hpp"
 #include "farfield/raster/source_slots.hpp"
 #include "farfield/raster/triangles/triangle_painter.hpp"
 #include "farfield/raster/triangles/triangle_reader.hpp"
@@ -83,37 +86,70 @@ class ZBufferCanvas {
 
     /// See RendererFacts::keeps_images. Throws std::invalid_argument as a frame does.
     void begin_image(const LocalView& view, float quad_depth, int samples) {
+        const ImageSlice all{.depth = quad_depth};
+        begin_image(view, {&all, 1}, samples);
+    }
+    /// See RendererFacts::slices_images.
+    void begin_image(const LocalView& view, std::span<const ImageSlice> slices, int samples) {
         const int image_side = checked_samples_a_side(samples, renderer_);
         check_image_size(view, image_side, renderer_);
+        if (targets_.size() < slices.size()) targets_.resize(slices.size());
         makes_image_ = true;
-        std::swap(buffers_, target_);
         frame_side_ = std::exchange(side_, image_side);
+        std::swap(buffers_, targets_[0].buffers);
         projection_ = SampleProjection(view, side_);
-        quad_depth_ = quad_depth - view.anchor_depth;
-        // Images come in all sizes. A target that grows and never shrinks is cleared only where it was drawn to.
-        const auto grown = [](int& size, int needed) { return size = std::max(size, (needed + 63) / 64 * 64); };
-        SampleProjection of_target = projection_;
-        of_target.end_x = of_target.first_x + grown(target_width_, view.width) * side_;
-        of_target.end_y = of_target.first_y + grown(target_height_, view.height) * side_;
-        buffers_.begin(of_target, side_, {0, 0, 0, 0});
+        slices_.clear();
+        const auto q = [&](float depth) {
+            const float from_anchor = depth - view.anchor_depth;
+            if (!(from_anchor > projection_.near_depth)) return std::numeric_limits<float>::infinity();
+            if (!(from_anchor < std::numeric_limits<float>::max())) return -std::numeric_limits<float>::infinity();
+            return projection_.q(from_anchor, projection_.inverse_w(from_anchor));
+        };
+        for (std::size_t i = 0; i < slices.size(); ++i) {
+            Target& target = targets_[i];
+            target.quad_depth = slices[i].depth - view.anchor_depth;
+            // Images come in all sizes. A target that grows and never shrinks is cleared only where it was drawn to.
+            const auto grown = [](int& size, int needed) { return size = std::max(size, (needed + 63) / 64 * 64); };
+            SampleProjection of_target = projection_;
+            of_target.end_x = of_target.first_x + grown(target.width, view.width) * side_;
+            of_target.end_y = of_target.first_y + grown(target.height, view.height) * side_;
+            SampleBuffers& buffers = i == 0 ? buffers_ : target.buffers;
+            buffers.begin(of_target, side_, {0, 0, 0, 0});
+            slices_.add(buffers, {q(slices[i].farthest), q(slices[i].nearest)});
+        }
     }
     std::uint32_t end_image() {
-        buffers_.resolve(target_image_);
-        std::uint32_t slot = 0;
-        while (slot < images_.size() && images_[slot].width != 0) ++slot;
-        if (slot == images_.size()) images_.emplace_back();
-        keep_image(images_[slot], buffers_, target_image_, projection_, quad_depth_, relative_depths_);
+        std::uint32_t handle = 0;
+        end_image({&handle, 1});
+        return handle;
+    }
+    void end_image(std::span<std::uint32_t> handles) {
+        std::size_t slot = 0;
+        for (std::size_t i = 0; i < handles.size(); ++i) {
+            while (slot < images_.size() && images_[slot].whole_width != 0) ++slot;
+            if (slot == images_.size()) images_.emplace_back();
+            SampleBuffers& buffers = slices_.buffers(i);
+            buffers.resolve(targets_[i].image);
+            keep_image(images_[slot], buffers, targets_[i].image, projection_, targets_[i].quad_depth, slices_.range(i),
+                       relative_depths_);
+            handles[i] = std::uint32_t(slot + 1);
+        }
         makes_image_ = false;
         leave_target();
-        return slot + 1;
     }
     void free_image(std::uint32_t image) { images_[image - 1] = {}; }
     std::size_t image_bytes(int width, int height) const { return KeptImage::bytes_of(width, height); }
     void draw(std::span<const ImageQuad> quads) {
-        buffers_.begin_far();
-        ImageFill fill(projection_, buffers_);
-        for (const ImageQuad& quad : quads) fill.add(quad, images_[quad.image - 1]);
+        for (const ImageQuad& quad : quads) {
+            SampleBuffers& buffers = is_sliced() ? slices_.at(q_of_center(quad)) : buffers_;
+            buffers.begin_far();
+            ImageFill(projection_, buffers).add(quad, images_[quad.image - 1]);
+        }
     }
+
+    /// Whether what is drawn goes into several depth slices.
+    bool is_sliced() const { return makes_image_ && slices_.size() > 1; }
+    SlicedBuffers& slices() { return slices_; }
 
     /// Small triangles of ranges with a law are deposited if the options say so.
     template <class P, class Fill>
@@ -123,7 +159,7 @@ class ZBufferCanvas {
             const auto draw_range = [&](const TriangleStream& of, std::uint32_t first, std::uint32_t end) {
                 TrianglePainter<Fill> painter(of, projection_, light_.light(), options_.culls_back_faces, fill);
                 if (r.law && options_.deposits_small_triangles) {
-                    draw_with_deposits(of, first, end, r.law, painter);
+                    draw_with_deposits(of, first, end, r.law, fill, painter);
                 } else {
                     draw_triangles(of, first, end, projection_, triage_, painter);
                 }
@@ -136,28 +172,32 @@ class ZBufferCanvas {
         }
     }
 
-    void draw(std::span<const Face> faces) {
-        buffers_.begin_far();
-        FarDeposits deposits(projection_, buffers_);
-        for (const Face& face : faces) deposits.add(face);
-    }
-    void draw(std::span<const Splat> splats) {
-        buffers_.begin_far();
-        FarDeposits deposits(projection_, buffers_);
-        for (const Splat& splat : splats) deposits.add(splat);
-    }
+    void draw(std::span<const Face> faces) { is_sliced() ? deposit(faces, slices_) : deposit(faces, buffers_); }
+    void draw(std::span<const Splat> splats) { is_sliced() ? deposit(splats, slices_) : deposit(splats, buffers_); }
 
   private:
+    template <class Drawable, class Buffers>
+    void deposit(std::span<const Drawable> drawables, Buffers& buffers) {
+        buffers.begin_far();
+        FarDeposits deposits(projection_, buffers);
+        for (const Drawable& d : drawables) deposits.add(d);
+    }
+
     void leave_target() {
-        std::swap(buffers_, target_);
+        std::swap(buffers_, targets_[0].buffers);
         side_ = frame_side_;
+    }
+    float q_of_center(const ImageQuad& quad) const {
+        const glm::vec3 p = projection_.project(quad.corner + 0.5f * (quad.across + quad.down));
+        return projection_.q(p.z, projection_.inverse_w(p.z));
     }
 
     /// Draws triangles [first, end) of a cell whose law is known. Not inlined, or g++ at -O1 warns that a law may be
     /// read unset, for ranges that never get here.
-    template <class Painter>
+    template <class Fill, class Painter>
     [[gnu::noinline]] void draw_with_deposits(const TriangleStream& stream, std::uint32_t first, std::uint32_t end,
-                                              const std::optional<AreaLaw>& known_law, Painter& painter) {
+                                              const std::optional<AreaLaw>& known_law, const Fill& fill,
+                                              Painter& painter) {
         const AreaLaw law = *known_law;
         const Loss opaque = loss_of_opacity(1, law);
         for_triaged_blocks(
@@ -165,7 +205,7 @@ class ZBufferCanvas {
             [&](std::uint32_t block, const TriageMasks& masks, const TriagedBlock& triaged, unsigned in_range) {
                 unsigned small_ones = masks.small_ones & in_range;
                 if (options_.culls_back_faces) small_ones &= masks.front;
-                if (small_ones != 0) buffers_.begin_far();
+                if (small_ones != 0) fill.buffers().begin_far();
                 for (unsigned left = small_ones; left != 0; left &= left - 1) {
                     const auto lane = unsigned(std::countr_zero(left));
                     const bool front = (masks.front >> lane & 1) != 0;
@@ -199,11 +239,17 @@ class ZBufferCanvas {
     TriangleReader reader_;  ///< where streams keep no triangles
     Image image_;
 
-    bool makes_image_ = false;  ///< buffers_ and side_ are an image's, and target_ and frame_side_ the frame's
-    SampleBuffers target_;
-    int frame_side_ = 1, target_width_ = 0, target_height_ = 0;
-    float quad_depth_ = 0;  ///< from the anchor
-    Image target_image_;
+    /// What a slice of an image is drawn into.
+    struct Target {
+        SampleBuffers buffers;  ///< the first one's are the frame's while an image is made
+        Image image;
+        int width = 0, height = 0;
+        float quad_depth = 0;  ///< from the anchor
+    };
+    bool makes_image_ = false;  ///< buffers_ and side_ are an image's, frame_side_ the frame's
+    int frame_side_ = 1;
+    std::vector<Target> targets_;
+    SlicedBuffers slices_;                ///< of the image that is made
     std::vector<KeptImage> images_;       ///< by handle less 1; of no width where free
     std::vector<float> relative_depths_;  ///< keep_image's
 };

@@ -18,7 +18,7 @@ inline Cell unit_cell() {
 }
 
 /// Polygons and, before them, instances.
-struct ClippedScene {
+struct ClippedContents {
     std::vector<ClippedItem> items;
     std::vector<Corner> corners;
     std::vector<SupportingPlane> planes;

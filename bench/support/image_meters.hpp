@@ -1,0 +1,242 @@
+// Z-buffers that look at what images do: how far what they show is displaced, and what is shaded anew.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "farfield/drawables.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/view/local_view.hpp"
+
+namespace farfield::bench {
+
+/// Keeps corners of what each image was made of, and where the image shows them: where the ray to them from the eye
+/// that made it meets its rectangle; where an image was made of images, where it shows what those show. In every frame
+/// it compares, for each image drawn, where they are seen with where they would be. In perspective.
+class DisplacementMeter : public ZBufferRenderer {
+  public:
+    using ZBufferRenderer::ZBufferRenderer;
+
+    /// Pixels, over all frames.
+    float largest_px() const { return largest_px_; }
+    std::uint64_t compared() const { return compared_; }
+
+    void begin_frame(const LocalView& view) {
+        outermost_ = local_ = view;
+        ZBufferRenderer::begin_frame(view);
+    }
+    void set_view(const LocalView& view) {
+        local_ = view;
+        ZBufferRenderer::set_view(view);
+    }
+    template <class P>
+    void draw(const Source<P>& source, std::span<const Range> ranges) {
+        if (makes_image_) {
+            for (const Range& r : ranges) sample(source, r);
+        }
+        ZBufferRenderer::draw(source, ranges);
+    }
+    void draw(std::span<const Face> faces) { ZBufferRenderer::draw(faces); }
+    void draw(std::span<const Splat> splats) { ZBufferRenderer::draw(splats); }
+    void draw(std::span<const ImageQuad> quads) {
+        for (const ImageQuad& q : quads) {
+            const std::vector<Sample>& shown = images_[q.image];
+            if (makes_image_) {
+                for (std::size_t i = 0; i < shown.size(); i += 1 + shown.size() / 64) keep(shown[i]);
+            } else {
+                for (const Sample& s : shown) compare(s);
+            }
+        }
+        ZBufferRenderer::draw(quads);
+    }
+    void begin_image(const LocalView& view, float quad_depth, int samples) {
+        local_ = image_view_ = view;
+        quad_depth_ = quad_depth;
+        makes_image_ = true;
+        made_.clear();
+        ZBufferRenderer::begin_image(view, quad_depth, samples);
+    }
+    std::uint32_t end_image() {
+        makes_image_ = false;
+        const std::uint32_t image = ZBufferRenderer::end_image();
+        if (image == 0) return 0;
+        if (images_.size() <= image) images_.resize(image + 1);
+        const glm::vec3 eye = outside(image_view_, image_view_.eye);
+        for (Sample& s : made_) {
+            const float depth = glm::dot(s.shown - eye, outermost_.forward);
+            s.shown = eye + (s.shown - eye) * (quad_depth_ * image_view_.scale / depth);
+        }
+        images_[image] = made_;
+        return image;
+    }
+
+  private:
+    /// In coordinates of the outermost hierarchy.
+    struct Sample {
+        glm::vec3 is, shown;
+    };
+
+    glm::vec3 outside(const LocalView& view, glm::vec3 p) const {
+        const glm::vec3 d = (p - view.eye) * view.scale;
+        return outermost_.eye + outermost_.right * glm::dot(d, view.right) + outermost_.up * glm::dot(d, view.up) +
+               outermost_.forward * glm::dot(d, view.forward);
+    }
+    template <class P>
+    void sample(const Source<P>& source, const Range& range) {
+        const std::uint32_t step = 1 + range.count / 64;
+        for (std::uint32_t i = next() % step; i < range.count; i += step) {
+            source.polygons(range.first + i, [&](const Polygon& polygon) {
+                const glm::vec3 p = polygon.vertices[next() % polygon.vertices.size()];
+                const float depth = image_view_.depth(p);
+                // Of slices each shows its own.
+                if (!(depth > image_view_.near_depth && depth < image_view_.far_depth)) return;
+                const glm::vec3 at = outside(local_, p);
+                keep({at, at});
+            });
+        }
+    }
+    /// At most so many, each as likely as another.
+    void keep(const Sample& s) {
+        constexpr std::size_t most = 256;
+        if (made_.size() < most) {
+            made_.push_back(s);
+        } else if (const std::size_t at = next() % (4 * most); at < most) {
+            made_[at] = s;
+        }
+    }
+    void compare(const Sample& s) {
+        const auto seen = [&](glm::vec3 p) {
+            const glm::vec3 d = p - outermost_.eye;
+            return glm::vec2(glm::dot(d, outermost_.right), glm::dot(d, outermost_.up)) *
+                   (outermost_.focal_px / glm::dot(d, outermost_.forward));
+        };
+        if (!(outermost_.depth(s.is) > 0)) return;
+        const glm::vec2 at = seen(s.is);
+        const glm::vec2 half = glm::vec2(outermost_.width, outermost_.height) * 0.5f;
+        if (!(glm::abs(at.x) <= half.x && glm::abs(at.y) <= half.y)) return;
+        largest_px_ = std::max(largest_px_, glm::length(seen(s.shown) - at));
+        ++compared_;
+    }
+    std::uint32_t next() {
+        random_ = random_ * 6364136223846793005u + 1442695040888963407u;
+        return std::uint32_t(random_ >> 33);
+    }
+
+    LocalView outermost_{View{}, {}, 1}, local_ = outermost_, image_view_ = outermost_;
+    float quad_depth_ = 0;
+    bool makes_image_ = false;
+    std::vector<Sample> made_;
+    std::vector<std::vector<Sample>> images_;  ///< by handle
+    std::uint64_t random_ = 1;
+    float largest_px_ = 0;
+    std::uint64_t compared_ = 0;
+};
+
+/// Counts pixels that a renderer with deferred shading would shade: those of a frame in which something other than an
+/// image is seen, and those of each image made in which something is, images in it left out; each by the part of it
+/// that is seen. Its pictures are white where they would be shaded, and black where images are.
+class ShadingMeter : public ZBufferRenderer {
+  public:
+    explicit ShadingMeter(const ZBufferOptions& options = {}) : ZBufferRenderer(options), making_(options) {}
+
+    double shaded_px() const { return shaded_px_; }
+
+    template <PrimitiveWithPolygons P>
+    std::uint32_t upload(const Source<P>& source) {
+        uploaded_.push_back({upload_as(*this, source, white), upload_as(*this, source, black),
+                             upload_as(static_cast<ZBufferRenderer&>(making_), source, white)});
+        return std::uint32_t(uploaded_.size() - 1);
+    }
+    void release(std::uint32_t id) {
+        ZBufferRenderer::release(uploaded_[id].white);
+        ZBufferRenderer::release(uploaded_[id].black);
+        making_.release(uploaded_[id].in_image);
+    }
+    void set_view(const LocalView& view) {
+        ZBufferRenderer::set_view(view);
+        if (makes_image_) making_.set_view(view);
+    }
+    void end_frame() {
+        ZBufferRenderer::end_frame();
+        for (const Rgba8 c : image().pixels()) shaded_px_ += double(c.r) / 255;
+    }
+    template <class P>
+    void draw(const Source<P>& source, std::span<const Range> ranges) {
+        const Uploaded& ids = uploaded_[source.id];
+        Source<P> colored = source;
+        colored.id = makes_image_ ? ids.black : ids.white;
+        ZBufferRenderer::draw(colored, ranges);
+        if (!makes_image_) return;
+        colored.id = ids.in_image;
+        making_.draw(colored, ranges);
+    }
+    void draw(std::span<const Face> faces) {
+        if (makes_image_) making_.draw(in(white, faces));
+        ZBufferRenderer::draw(in(makes_image_ ? black : white, faces));
+    }
+    void draw(std::span<const Splat> splats) {
+        if (makes_image_) making_.draw(in(white, splats));
+        ZBufferRenderer::draw(in(makes_image_ ? black : white, splats));
+    }
+    void draw(std::span<const ImageQuad> quads) { ZBufferRenderer::draw(quads); }
+    void begin_image(const LocalView& view, float quad_depth, int samples) {
+        ZBufferRenderer::begin_image(view, quad_depth, samples);
+        makes_image_ = true;
+        making_.begin_frame(view);
+    }
+    std::uint32_t end_image() {
+        makes_image_ = false;
+        making_.end_frame();
+        for (const Rgba8 c : making_.image().pixels()) shaded_px_ += double(c.a) / 255;
+        return ZBufferRenderer::end_image();
+    }
+
+  private:
+    static constexpr Rgba8 white{255, 255, 255, 255}, black{0, 0, 0, 255};
+    struct Uploaded {
+        std::uint32_t white, black, in_image;
+    };
+    /// A position of a source, in another color.
+    template <class P>
+    struct Painted {
+        const Source<P>* source;
+        std::uint32_t position;
+        Rgba8 color;
+        Box bounds() const { return Box::empty(); }  // renderers do not ask
+        template <class Sink>
+        void polygons(Sink&& sink) const {
+            source->polygons(position, [&](const Polygon& p) { sink(Polygon{p.vertices, {&color, 1}, p.is_lit}); });
+        }
+    };
+    template <class P>
+    static std::uint32_t upload_as(ZBufferRenderer& renderer, const Source<P>& source, Rgba8 color) {
+        std::vector<Painted<P>> items;
+        for (std::uint32_t i = 0; i < source.item_count; ++i) items.push_back({&source, i, color});
+        return renderer.ZBufferRenderer::upload(Source<Painted<P>>{items, {}, source.item_count});
+    }
+    std::span<const Face> in(Rgba8 color, std::span<const Face> faces) {
+        faces_.assign(faces.begin(), faces.end());
+        for (Face& f : faces_) f.rgba.r = f.rgba.g = f.rgba.b = color.r != 0 ? f.rgba.a : std::uint8_t(0);
+        return faces_;
+    }
+    std::span<const Splat> in(Rgba8 color, std::span<const Splat> splats) {
+        splats_.assign(splats.begin(), splats.end());
+        for (Splat& s : splats_) s.rgb = {color.r, color.g, color.b, s.rgb.a};
+        return splats_;
+    }
+
+    ZBufferRenderer making_;
+    bool makes_image_ = false;
+    std::vector<Uploaded> uploaded_;
+    std::vector<Face> faces_;
+    std::vector<Splat> splats_;
+    double shaded_px_ = 0;
+};
+
+}  // namespace farfield::bench
