@@ -79,7 +79,9 @@ inline float covered_px(const LocalView& view, glm::vec3 center, glm::vec3 half,
     const glm::vec3 d = center - view.eye;
     const glm::vec2 whole(view.part.whole_width, view.part.whole_height);
     const float distance = view.is_perspective ? std::max(length_of(d), length_of(half)) : 1.0f;
-    const glm::vec3 towards = glm::abs(view.is_perspective ? d / distance : view.forward);
+    // From inside there is no direction that it is seen from.
+    const bool is_around = view.is_perspective && !(length_of(d) > length_of(half));
+    const glm::vec3 towards = is_around ? glm::vec3(1) : glm::abs(view.is_perspective ? d / distance : view.forward);
     const glm::vec2 scale = view.squeeze * (view.focal_px / distance);
     const float silhouette = 4 * glm::dot(towards, glm::vec3(half.y * half.z, half.z * half.x, half.x * half.y));
     const float px = std::min(silhouette * scale.x * scale.y, whole.x * whole.y);
@@ -459,7 +461,7 @@ class Refinement {
             }
             // From inside, cubes and splats show nothing, which would be the cheapest picture of all. A cell that is
             // not drawn after all, since none above it is opened, does no harm here.
-            if (drawn_px == 0 && px > 64 && v.view.is_perspective && v.view.distance_to(subtree.cell) == 0) {
+            if (px > 64 && drawn_px == 0 && v.view.is_perspective && v.view.distance_to(subtree.cell) == 0) {
                 opened_.add(detail::mixed(v.path, subtree.node));
                 return open(v, context, subtree);
             }
