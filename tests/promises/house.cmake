@@ -64,7 +64,8 @@ tested_by(consumer/main farfield)
 tested_by(consumer/settings settings)
 # Records without functions are tested by what makes them.
 tested_by(build build/build_progress)
-tested_by(approximation/image_cache frame/image_chooser frame/image_maker raster/samples/kept_image)
+tested_by(approximation/image_cache frame/image_chooser frame/image_maker raster/samples/kept_image
+          raster/samples/sliced_buffers)
 tested_by(build/cell_splitter build/build_node)
 tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
 tested_by(renderer/z_buffer_renderer raster/render_options)
