@@ -11,10 +11,18 @@
 #include <vector>
 
 #include "farfield/drawables.hpp"
+#include "farfield/renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield::bench {
+
+/// A z-buffer that is given one slice of an image after the other.
+inline constexpr RendererFacts slice_by_slice = [] {
+    RendererFacts facts = ZBufferRenderer::facts;
+    facts.slices_images = false;
+    return facts;
+}();
 
 /// Keeps corners of what each image was made of, and where the image shows them: where the ray to them from the eye
 /// that made it meets its rectangle; where an image was made of images, where it shows what those show. In every frame
@@ -22,6 +30,7 @@ namespace farfield::bench {
 class DisplacementMeter : public ZBufferRenderer {
   public:
     using ZBufferRenderer::ZBufferRenderer;
+    static constexpr RendererFacts facts = slice_by_slice;
 
     /// Pixels, over all frames.
     float largest_px() const { return largest_px_; }
@@ -143,6 +152,8 @@ class DisplacementMeter : public ZBufferRenderer {
 /// that is seen. Its pictures are white where they would be shaded, and black where images are.
 class ShadingMeter : public ZBufferRenderer {
   public:
+    static constexpr RendererFacts facts = slice_by_slice;
+
     explicit ShadingMeter(const ZBufferOptions& options = {}) : ZBufferRenderer(options), making_(options) {}
 
     double shaded_px() const { return shaded_px_; }

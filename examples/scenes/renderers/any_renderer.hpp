@@ -62,13 +62,15 @@ class AnyRenderer {
     virtual bool hidden(const Cell& cell, CellId id) = 0;
     virtual void begin_image(const LocalView& view, float quad_depth, int samples) = 0;
     virtual std::uint32_t end_image() = 0;
+    virtual void begin_image(const LocalView& view, std::span<const ImageSlice> slices, int samples) = 0;
+    virtual void end_image(std::span<std::uint32_t> handles) = 0;
     virtual void free_image(std::uint32_t image) = 0;
     virtual std::size_t image_bytes(int width, int height) const = 0;
     virtual void draw(std::span<const ImageQuad> quads) = 0;
 
     /// Of the last frame; null where nobody counts.
     virtual const CoverageWork* work() const = 0;
-    /// Likewise, with the places; null unless RendererChoice::maps_work.
+    /// The same with the places; null unless RendererChoice::maps_work.
     virtual const CoverageWorkImage* work_map() const = 0;
     /// What the last frame drew, seen from above and behind, its frustum outlined in green and images that cells were
     /// drawn by in red; null unless RendererChoice::looks_on and there were any. The next frame forgets it.
@@ -126,6 +128,10 @@ class RendererLike {
         renderer_->begin_image(view, quad_depth, samples);
     }
     std::uint32_t end_image() { return renderer_->end_image(); }
+    void begin_image(const LocalView& view, std::span<const ImageSlice> slices, int samples) {
+        renderer_->begin_image(view, slices, samples);
+    }
+    void end_image(std::span<std::uint32_t> handles) { renderer_->end_image(handles); }
     void free_image(std::uint32_t image) { renderer_->free_image(image); }
     std::size_t image_bytes(int width, int height) const { return renderer_->image_bytes(width, height); }
     void draw(std::span<const ImageQuad> quads) { renderer_->draw(quads); }

@@ -63,6 +63,14 @@ class Onlooker final : public AnyRenderer {
         makes_image_ = false;
         return renderer_->end_image();
     }
+    void begin_image(const LocalView& view, std::span<const ImageSlice> slices, int samples) override {
+        makes_image_ = true;
+        renderer_->begin_image(view, slices, samples);
+    }
+    void end_image(std::span<std::uint32_t> handles) override {
+        makes_image_ = false;
+        renderer_->end_image(handles);
+    }
     void free_image(std::uint32_t image) override { renderer_->free_image(image); }
     std::size_t image_bytes(int width, int height) const override { return renderer_->image_bytes(width, height); }
 

@@ -79,6 +79,13 @@ class RendererBehind final : public AnyRenderer {
         if constexpr (R::facts.keeps_images) return renderer_.end_image();
         return 0;
     }
+    void begin_image([[maybe_unused]] const LocalView& view, [[maybe_unused]] std::span<const ImageSlice> slices,
+                     [[maybe_unused]] int samples) override {
+        if constexpr (R::facts.slices_images) renderer_.begin_image(view, slices, samples);
+    }
+    void end_image([[maybe_unused]] std::span<std::uint32_t> handles) override {
+        if constexpr (R::facts.slices_images) renderer_.end_image(handles);
+    }
     void free_image([[maybe_unused]] std::uint32_t image) override {
         if constexpr (R::facts.keeps_images) renderer_.free_image(image);
     }
