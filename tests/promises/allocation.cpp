@@ -7,9 +7,7 @@
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
-#include "farfield/approximation/image_cache.hpp"
 #include "farfield/build.hpp"
-#include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/frame/frame_budget.hpp"
 #include "farfield/merged_viewer.hpp"
@@ -18,7 +16,6 @@
 #include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/primitive/instance.hpp"
 #include "farfield/renderer/coverage_renderer.hpp"
-#include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/renderers/coverage_tilers.hpp"
 #include "support/allocations.hpp"
@@ -142,25 +139,6 @@ TEST_CASE("the third time along a path no frame allocates") {
             CHECK(during == 0);
         }
     }
-}
-
-TEST_CASE("a viewer that keeps images stops allocating where it stands") {
-    using Cached = SpatialHierarchy<Octree, ImageCache<Exact>, MeasuredTime>;
-    ImageCache<Exact> approximation;
-    approximation.image_options.least_items = 64;
-    approximation.image_options.slices = 4;
-    const Triangles triangles = mixed_triangles(5000, 120);
-    const Cached h = build<Cached>(triangles, {.approximation = approximation});
-    ZBufferRenderer renderer;
-    auto viewer = make_viewer(h, triangles, renderer);
-    const View view = looking({9, 1, 0}, {0, 0, 0}, 100, 1);
-    FrameStats stats;
-    for (int f = 0; f < 3; ++f) stats = viewer.frame(view);
-    REQUIRE(stats.images > 0);
-    const std::size_t before = allocations().count;
-    for (int f = 0; f < 10; ++f) viewer.frame(view);
-    const std::size_t during = allocations().count - before;
-    CHECK(during == 0);
 }
 
 namespace {
