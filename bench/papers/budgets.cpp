@@ -94,12 +94,12 @@ void frames(const char* name, const scenes::Scene& scene, bool wants_time, bool 
         for (const double budget_ms : {5.0, 10.0, 20.0}) {
             const FrameBudget budget{.prices = prices, .most = budget_ms * 1e6};
             std::vector<double> ms;
-            viewer->frame(on_the_way(bounds, 0, 0), budget);
+            viewer->frame_within(budget, on_the_way(bounds, 0, 0));
             for (int i = 0; i < count; ++i) {
                 double least = INFINITY;  // others use the machine as well
                 for (int turn = 0; turn < 5; ++turn) {
                     const double start = now_ns();
-                    viewer->frame(on_the_way(bounds, double(i) / count, 0), budget);
+                    viewer->frame_within(budget, on_the_way(bounds, double(i) / count, 0));
                     least = std::min(least, now_ns() - start);
                 }
                 ms.push_back(least * 1e-6);
@@ -126,7 +126,7 @@ void frames(const char* name, const scenes::Scene& scene, bool wants_time, bool 
             const Image exact = viewer->image();
             double last = 2;
             for (const double budget_ms : {1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0}) {
-                viewer->frame(view, {.prices = prices, .most = budget_ms * 1e6});
+                viewer->frame_within({.prices = prices, .most = budget_ms * 1e6}, view);
                 const double error = std::sqrt(mse(viewer->image(), exact));
                 rises += error > last;
                 last = error;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "farfield/frame/frame_budget.hpp"
@@ -28,10 +29,11 @@ class SceneViewer {
   public:
     virtual ~SceneViewer() = default;
     virtual FrameStats frame(const View& view) = 0;
-    /// The best that a budget pays for. Throws std::invalid_argument where several threads draw.
-    virtual FrameStats frame(const View& view, const FrameBudget& budget) = 0;
+    /// The best that a budget pays for. Throws std::invalid_argument where it is not one viewer, on one thread, that
+    /// draws.
+    virtual FrameStats frame_within(const FrameBudget&, const View&) { refuse_budgets(); }
     /// Draws these views coarser and finer, to learn what frames like them cost. Throws as that does.
-    virtual std::vector<MeasuredFrame> measured(std::span<const View> views, const FramePriceOptions& options) = 0;
+    virtual std::vector<MeasuredFrame> measured(std::span<const View>, const FramePriceOptions&) { refuse_budgets(); }
     /// What frame() draws, geometry in gray and stand-ins, if there are any, tinted by level; premultiplied, coverage
     /// in alpha.
     virtual Image how_drawn(const View& view) {
@@ -45,8 +47,13 @@ class SceneViewer {
     virtual const Image& image() const = 0;
     /// Of the last frame: of coverage masks, null of others.
     virtual const CoverageWork* work() const { return nullptr; }
-    /// Likewise, where RendererChoice::maps_work.
+    /// The same with the places, where RendererChoice::maps_work.
     virtual const CoverageWorkImage* work_map() const { return nullptr; }
+
+  private:
+    [[noreturn]] static void refuse_budgets() {
+        throw std::invalid_argument("a budget of time is kept by one thread: take --threads 1");
+    }
 };
 
 class BuiltScene {

@@ -104,7 +104,7 @@ class PlacedScene final : public BuiltScene {
             : renderer_(make_renderer(choice, Renderer::facts.needs_ordering == OrderGuarantee::primitives)),
               viewer_(hierarchy, std::span<const P>(primitives), renderer_) {}
         FrameStats frame(const View& view) override { return viewer_.frame(view); }
-        FrameStats frame(const View& view, const FrameBudget& budget) override {
+        FrameStats frame_within(const FrameBudget& budget, const View& view) override {
             return viewer_.frame(view, budget, refinement_);
         }
         std::vector<MeasuredFrame> measured(std::span<const View> views, const FramePriceOptions& options) override {
@@ -147,10 +147,6 @@ class PlacedScene final : public BuiltScene {
             }
             return stats;
         }
-        FrameStats frame(const View&, const FrameBudget&) override { throw std::invalid_argument(one_thread); }
-        std::vector<MeasuredFrame> measured(std::span<const View>, const FramePriceOptions&) override {
-            throw std::invalid_argument(one_thread);
-        }
         Image how_drawn(const View& view) override {
             if (!whole_) whole_ = std::make_unique<Frames<P, Renderer>>(hierarchy_, primitives_, choice_);
             return whole_->how_drawn(view);
@@ -162,7 +158,6 @@ class PlacedScene final : public BuiltScene {
 
       private:
         static constexpr std::size_t bands_a_thread = 4;
-        static constexpr const char* one_thread = "a budget of time is kept by one thread: take --threads 1";
 
         const Hierarchy& hierarchy_;
         const std::vector<P>& primitives_;

@@ -248,7 +248,7 @@ class Run {
     static double timed(SceneViewer& viewer, const View& view, FrameStats& stats,
                         const std::optional<farfield::FrameBudget>& budget = std::nullopt) {
         const auto begin = std::chrono::steady_clock::now();
-        stats = budget ? viewer.frame(view, *budget) : viewer.frame(view);
+        stats = budget ? viewer.frame_within(*budget, view) : viewer.frame(view);
         return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     }
 
