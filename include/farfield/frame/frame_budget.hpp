@@ -280,8 +280,8 @@ class Refinement {
         }
     }
 
-    template <class V, class I>
-    void show_instance(const V& v, const I& instance, std::uint64_t primitive) {
+    template <class V, class Placed>
+    void show_instance(const V& v, const Placed& instance, std::uint64_t primitive) {
         using H = std::remove_cvref_t<decltype(*instance.hierarchy)>;
         using P = std::remove_cvref_t<decltype(instance.primitives[0])>;
         const H& h = *instance.hierarchy;

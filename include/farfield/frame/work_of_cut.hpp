@@ -98,8 +98,8 @@ struct CoverageSink {
 };
 
 /// The same view from inside an instance, as a descent makes it.
-template <class E, class I>
-LocalView view_inside(const E& outer, const I& instance, std::uint64_t path) {
+template <class E, class Placed>
+LocalView view_inside(const E& outer, const Placed& instance, std::uint64_t path) {
     LocalView inner = outer.view.inside(instance.to_world, outer.hierarchy.origin(), instance.hierarchy->origin());
     inner.seed = std::uint32_t(path >> 32);
     return inner;
