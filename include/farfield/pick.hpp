@@ -100,13 +100,12 @@ class Picking {
     template <class V>
     void descend(const V& v, const Subtree& subtree) {
         const Node& node = v.hierarchy.nodes()[subtree.node];
-        const bool is_leaf = node.first_child == 0;
-        const std::uint32_t end = is_leaf ? subtree.end_item : v.hierarchy.nodes()[node.first_child].first_item;
+        const std::uint32_t end = end_of_own_run(v.hierarchy, subtree);
         for (std::uint32_t position = node.first_item; position < end; ++position) {
             v.source.prefetch(position);
             test(v, position, subtree.node);
         }
-        if (is_leaf) return;
+        if (node.first_child == 0) return;
         for_each_child<VisitOrder::front_to_back>(v.hierarchy, subtree, v.viewpoint, [&](const Subtree& child) {
             if (meets(v.meeter, child.cell)) descend(v, child);
         });

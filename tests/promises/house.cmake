@@ -64,7 +64,7 @@ tested_by(consumer/main farfield)
 tested_by(consumer/settings settings)
 # Records without functions are tested by what makes them.
 tested_by(build build/build_progress)
-tested_by(approximation/image_cache frame/image_chooser frame/image_maker raster/samples/kept_image
+tested_by(approximation/image_cache frame/image_chooser frame/image_maker raster/samples/kept_image raster/samples/image_fill
           raster/samples/sliced_buffers)
 tested_by(build/cell_splitter build/build_node)
 tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
@@ -77,6 +77,7 @@ tested_by(coverage/polygons/surface coverage/polygons/color_gradient coverage/po
 tested_by(renderer/coverage_renderer coverage/polygons/far_polygons coverage/polygons/polygon_setup)
 tested_by(coverage/tiler/mask_kernel simd)
 tested_by(frame/selection frame/draw_now)
+tested_by(frame/descent frame/stand_in_choice)
 tested_by(frame/frame_budget frame/opened_cells frame/work_of_cut)
 tested_by(tuning/measure_frame_prices frame/frame_prices)
 tested_by(hierarchy/fingerprint geometry/mixed)
@@ -91,7 +92,7 @@ tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/t
           raster/triangles/triangle_painter raster/triangles/triangle_runs raster/triangles/triangle_stream
           raster/triangles/triangle_triage)
 tested_by(renderer/z_buffer_renderer raster/samples/depth_tested_fill raster/samples/far_deposits
-          raster/samples/sliced_buffers raster/samples/z_buffer_canvas)
+          raster/samples/z_buffer_canvas)
 tested_by(tuning/advise tuning/variants)
 tested_by(view camera)
 tested_by(voxel/voxel_pyramid voxel/voxel_masks)

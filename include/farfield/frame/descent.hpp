@@ -10,8 +10,8 @@
 //
 // (*) Where the renderer deposits primitives and the cell's law is known, only if they are few: order matters then.
 //
-// The Render procedure of Chamberlain et al. 1995, section 3.1, with culling as in 1996; the fourth line is ours and
-// makes near geometry as cheap as without a hierarchy.
+// The Render procedure of Chamberlain et al. 1995, section 3.1, with culling as in 1996; the fourth and fifth lines
+// are ours, and make near geometry as cheap as without a hierarchy.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -28,12 +28,11 @@
 #include <utility>
 
 #include "farfield/composition.hpp"
-#include "farfield/frame/cell_tolerance.hpp"
 #include "farfield/frame/instance_stack.hpp"
 #include "farfield/frame/source_table.hpp"
+#include "farfield/frame/stand_in_choice.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/area_law.hpp"
-#include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 
 namespace farfield {
@@ -47,17 +46,6 @@ inline constexpr VisitOrder traversal_order =
                                                                                          : R::facts.order;
 
 namespace detail {
-
-/// A hierarchy that a frame has entered: the outermost one, or an instance. Everything is borrowed.
-template <class H, class P>
-struct Entered {
-    using hierarchy_type = H;
-    using primitive_type = P;
-    const H& hierarchy;
-    Source<P> source;
-    const LocalView& view;
-    std::uint64_t path;  ///< as CellId's
-};
 
 enum class CellDrawn : std::uint8_t {
     by_image,     ///< the sink has drawn it
@@ -163,16 +151,8 @@ class Descent {
         const auto& h = v.hierarchy;
         const Node& node = h.nodes()[subtree.node];
         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
-            if (may_stand_in(v, subtree, node)) {
-                if (keeps_wanted_error(v, subtree, node)) {
-                    const float left = v.view.fade > 0 ? fading(v, subtree, node) : 0;
-                    const float all = std::exchange(weight_, weight_ * (1 - left));
-                    draw_stand_in(v, subtree);
-                    weight_ = all * left;
-                    if (left > 0) visit_contents(v, subtree, node, subtree.end_item - node.first_item, law, false);
-                    weight_ = all;
-                    return;
-                }
+            if (may_stand_in(v, subtree)) {
+                if (keeps_wanted_error(v, subtree)) return draw_stand_in_and_fade(v, subtree, node, law);
                 ++stats_.cells_too_coarse;
             }
         }
@@ -192,7 +172,7 @@ class Descent {
             }
         }
         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in && may_draw_whole<V>) {
-            if (is_cheaper_exactly(v, subtree, node, items)) {
+            if (is_cheaper_exactly(v, subtree)) {
                 ++stats_.cells_cheaper;
                 draw_whole(v, subtree, node, law);
                 return;
@@ -208,6 +188,18 @@ class Descent {
             }
         }
         visit_contents(v, subtree, node, items, law, /*has_images_below=*/false);
+    }
+
+    /// What replaces a stand-in is drawn as well where it fades.
+    template <class V>
+    void draw_stand_in_and_fade(V& v, const Subtree& subtree, const Node& node, LawOf<V> law) {
+        const float left = v.view.fade > 0 ? part_replaced(v, subtree) : 0;
+        if (left == 0) return draw_stand_in(v, subtree);
+        const float all = std::exchange(weight_, weight_ * (1 - left));
+        draw_stand_in(v, subtree);
+        weight_ = all * left;
+        visit_contents(v, subtree, node, subtree.end_item - node.first_item, law, /*has_images_below=*/false);
+        weight_ = all;
     }
 
     template <class V>
@@ -248,78 +240,6 @@ class Descent {
         return !visits_all<V>() && is_outside_tile(v.view, subtree);
     }
 
-    template <class V>
-    static bool may_stand_in(const V& v, const Subtree& subtree, const Node& node) {
-        // A tolerance of 0 means every primitive, also of a cell without extent.
-        if (!subtree.has_stand_in() || !(v.view.tolerance_px > 0)) return false;
-        const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
-        return v.hierarchy.approximation_policy().error_px(data, subtree.cell, v.view) *
-                   error_of_replaced_levels(node) <=
-               cell_tolerance(v.view, v.path, subtree.node);
-    }
-
-    /// How much of a cell that may stand in is what replaces it (View::fade).
-    template <class V>
-    static float fading(const V& v, const Subtree& subtree, const Node& node) {
-        // What is drawn by primitives alone comes at once.
-        if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return 0;
-        const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
-        const float error =
-            v.hierarchy.approximation_policy().error_px(data, subtree.cell, v.view) * error_of_replaced_levels(node);
-        const float tolerance = cell_tolerance(v.view, v.path, subtree.node), first = tolerance * (1 - v.view.fade);
-        return error > first ? std::min((error - first) / (tolerance - first), 1.0f) : 0.0f;
-    }
-
-    /// Where nothing is known of errors, whatever the tolerance allows is good.
-    template <class V>
-    static bool keeps_wanted_error(const V& v, const Subtree& subtree, const Node& node) {
-        if constexpr (V::hierarchy_type::approximation_type::facts.expects_error) {
-            return v.view.wanted.is_any() ||
-                   errs_no_more(v, covered_part(v, subtree), side_px(v, subtree) * error_of_replaced_levels(node));
-        } else {
-            return true;
-        }
-    }
-    template <class V>
-    static bool errs_no_more(const V& v, float covered, float side_px) {
-        const float rmse = v.hierarchy.approximation_policy().expected_rmse(side_px, covered);
-        return rmse <= largest_rmse(v.view.wanted, side_px, covered);
-    }
-    template <class V>
-    static float covered_part(const V& v, const Subtree& subtree) {
-        const auto& data = v.hierarchy.stand_ins()[subtree.stand_in];
-        return v.hierarchy.approximation_policy().covered_part(data, subtree.cell, v.view);
-    }
-    /// Finite, so that errors are.
-    template <class V>
-    static float side_px(const V& v, const Subtree& subtree) {
-        return std::min(v.view.pixels(subtree.cell.largest_side(), v.view.distance_to(subtree.cell)), 0x1p20f);
-    }
-
-    /// Whether point sampling the subtree's primitives costs less than the stand-ins that would be drawn for it: four
-    /// times as many a level, as of a surface, down to cells that are small enough by the tolerance and, from near to
-    /// these on, by what they are expected to err, if they are covered as this one is. (The contents of a tree's crown
-    /// are the thinner the smaller the cells.) For three cells that are drawn four are visited. Twice their price
-    /// counts: that of a primitive is what drawing one costs, and many a point sampled one meets no sample.
-    template <class V>
-    static bool is_cheaper_exactly(const V& v, const Subtree& subtree, const Node& node, std::uint32_t items) {
-        if (!v.view.wanted.is_point_sampling() || node.child_mask == 0) return false;
-        if (subtree.crossed_planes != 0 && items > max_items_unculled) return false;
-        const auto price = [&](const Work& work) { return v.hierarchy.cost_policy().cost(work); };
-        const float exact = price({.triangles = float(items), .runs = 1});
-        const float stand_in = 2 * price({.splats = 1, .cells = 4.0f / 3});
-        float cost = float(bits_set[node.child_mask]) * stand_in, side = 0.5f * side_px(v, subtree);
-        const bool is_near = side <= v.view.tolerance_px;
-        for (; cost < exact && side > v.view.tolerance_px; side *= 0.5f) cost *= 4;
-        if constexpr (V::hierarchy_type::approximation_type::facts.expects_error) {
-            if (is_near && cost < exact && subtree.has_stand_in()) {
-                const float covered = covered_part(v, subtree);
-                for (; cost < exact && !errs_no_more(v, covered, side); side *= 0.5f) cost *= 4;
-            }
-        }
-        return cost >= exact;
-    }
-
     /// False only if no cell below can be drawn by its stand-in.
     template <class V>
     static bool may_stand_in_below(const V& v, const Subtree& subtree, const Node& node) {
@@ -341,7 +261,7 @@ class Descent {
         const auto& h = v.hierarchy;
         h.prefetch_data_of(node.first_child);
         const std::size_t own_instances = instances_.size();
-        const std::uint32_t own_end = h.nodes()[node.first_child].first_item;
+        const std::uint32_t own_end = end_of_own_run(h, subtree);
         if (own_end != node.first_item) gather_items(v, subtree, node.first_item, own_end, law);
         std::size_t next_instance = own_instances;
         for_each_child<traversal_order<typename V::hierarchy_type, R>>(
@@ -374,7 +294,7 @@ class Descent {
                               std::optional<AreaLaw>(law).has_value();
         if (is_uncut) return draw_items(v, subtree, node.first_item, law);
         const auto& h = v.hierarchy;
-        const std::uint32_t own_end = h.nodes()[node.first_child].first_item;
+        const std::uint32_t own_end = end_of_own_run(h, subtree);
         if (own_end != node.first_item) gather_items(v, subtree, node.first_item, own_end, law);
         for_each_child<VisitOrder::any>(h, subtree, v.view.viewpoint(), [&](Subtree& child) {
             ++stats_.cells_visited;
@@ -435,9 +355,8 @@ class Descent {
     template <class V, class Instance_>
     void draw_instance(V& v, const Instance_& instance, std::uint32_t position, std::uint64_t primitive) {
         ++stats_.instances;
-        LocalView inner = v.view.inside(instance.to_world, v.hierarchy.origin(), instance.hierarchy->origin());
-        const std::uint64_t path = mixed(v.path, primitive + 1);
-        inner.seed = std::uint32_t(path >> 32);
+        const std::uint64_t path = path_inside(v, primitive);
+        const LocalView inner = view_inside(v, instance, path);
         sink_.enter_instance(v, position);
         enter(*instance.hierarchy, instance.primitives, inner, path);
         sink_.leave_instance(v);

@@ -17,11 +17,11 @@
 
 #include "farfield/approximation.hpp"
 #include "farfield/fail.hpp"
-#include "farfield/frame/cell_tolerance.hpp"
 #include "farfield/frame/descent.hpp"
 #include "farfield/frame/frame_prices.hpp"
 #include "farfield/frame/opened_cells.hpp"
 #include "farfield/frame/source_table.hpp"
+#include "farfield/frame/stand_in_choice.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/frame/work_of_cut.hpp"
 #include "farfield/geometry/mixed.hpp"
@@ -217,7 +217,7 @@ class Refinement {
             add_items(v, subtree, node.first_item, subtree.end_item, 1);
             return;
         }
-        const std::uint32_t own_end = h.nodes()[node.first_child].first_item;
+        const std::uint32_t own_end = end_of_own_run(h, subtree);
         if (own_end != node.first_item) {
             add_items(v, subtree, node.first_item, own_end, float(own_end - node.first_item) / float(items));
         }
@@ -252,11 +252,7 @@ class Refinement {
             }
             const FrameWork work = detail::work_of_drawing(approximation, data, drawn_px);
             more_ += work;
-            const float error = approximation.error_px(data, subtree.cell, v.view) *
-                                detail::error_of_replaced_levels(v.hierarchy.nodes()[subtree.node]);
-            const bool is_good =
-                v.view.tolerance_px > 0 && error <= detail::cell_tolerance(v.view, v.path, subtree.node);
-            if (!is_good) {
+            if (!detail::may_stand_in(v, subtree)) {
                 shown_.push_back({subtree, context, float(work[FrameWork::stand_ins]), drawn_px,
                                   detail::gain_of_opening(v, subtree, prices_, px)});
             }
@@ -287,7 +283,7 @@ class Refinement {
         const H& h = *instance.hierarchy;
         more_[FrameWork::instances] += 1;
         if (h.item_count() == 0) return;
-        const std::uint64_t path = detail::mixed(v.path, primitive + 1);
+        const std::uint64_t path = detail::path_inside(v, primitive);
         const LocalView view = detail::view_inside(v, instance, path);
         const std::span<const P> primitives(instance.primitives);
         const std::uint32_t context = enter(h, primitives, view, path);

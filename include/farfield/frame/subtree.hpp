@@ -40,6 +40,13 @@ Subtree whole_of(const H& hierarchy) {
     return whole;
 }
 
+/// Where a subtree's own run ends, and what its children hold begins.
+template <class H>
+std::uint32_t end_of_own_run(const H& hierarchy, const Subtree& subtree) {
+    const Node& node = hierarchy.nodes()[subtree.node];
+    return node.first_child == 0 ? subtree.end_item : hierarchy.nodes()[node.first_child].first_item;
+}
+
 namespace detail {
 
 inline constexpr auto bits_set = [] {

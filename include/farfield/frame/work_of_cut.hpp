@@ -15,6 +15,7 @@
 #include "farfield/approximation.hpp"
 #include "farfield/drawables.hpp"
 #include "farfield/frame/frame_prices.hpp"
+#include "farfield/frame/stand_in_choice.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/length.hpp"
 #include "farfield/geometry/mixed.hpp"
@@ -97,14 +98,6 @@ struct CoverageSink {
     void operator()(OwnRun) const {}
 };
 
-/// The same view from inside an instance, as a descent makes it.
-template <class E, class Placed>
-LocalView view_inside(const E& outer, const Placed& instance, std::uint64_t path) {
-    LocalView inner = outer.view.inside(instance.to_world, outer.hierarchy.origin(), instance.hierarchy->origin());
-    inner.seed = std::uint32_t(path >> 32);
-    return inner;
-}
-
 /// The work of drawing a run, but for the pixels and for what instances in it hold.
 template <class E>
 FrameWork work_of_run(const E& e, std::uint32_t first, std::uint32_t end, float px) {
@@ -147,28 +140,27 @@ FrameWork work_of_drawing(const A& approximation, const Data& data, float px) {
 template <class E>
 Gain gain_of_opening(const E& entered, const Subtree& subtree, const FramePrices& prices, float px) {
     using H = typename E::hierarchy_type;
-    using A = typename H::approximation_type;
     const H& h = entered.hierarchy;
     const Node& node = h.nodes()[subtree.node];
     const float whole = std::max(float(entered.view.part.whole_width), float(entered.view.part.whole_height));
-    float error = whole;
-    if (A::facts.stands_in && subtree.has_stand_in()) {
-        if constexpr (A::facts.stands_in) {
-            error = h.approximation_policy().error_px(h.stand_ins()[subtree.stand_in], subtree.cell, entered.view) *
-                    error_of_replaced_levels(node);
-        }
-    } else {
+    float error = 0;
+    if constexpr (H::approximation_type::facts.stands_in) {
+        if (subtree.has_stand_in()) error = stand_in_error_px(entered, subtree);
+    }
+    if (!subtree.has_stand_in()) {
         error = entered.view.pixels(subtree.cell.largest_side(), entered.view.distance_to(subtree.cell));
     }
     const auto& each = prices.each;
     const double children = bits_set[node.child_mask];
-    const std::uint32_t own_end = children == 0 ? subtree.end_item : h.nodes()[node.first_child].first_item;
     const double an_item = PrimitiveWithInstance<typename E::primitive_type>
                                ? each[FrameWork::instances] + each[FrameWork::stand_ins]
                                : each[FrameWork::triangles];
     const double price = each[FrameWork::openings] + children * (each[FrameWork::cells] + each[FrameWork::stand_ins]) +
-                         double(own_end - node.first_item) * an_item;
-    return {px * std::min(error, whole) / float(std::max(price, 1e-6)), mixed(entered.path, subtree.node)};
+                         double(end_of_own_run(h, subtree) - node.first_item) * an_item;
+    const float gained = px * std::min(error, whole);
+    // What is free is opened first, and what gains nothing last.
+    const float value = price > 0 ? gained / float(price) : gained > 0 ? std::numeric_limits<float>::infinity() : 0.0f;
+    return {value, mixed(entered.path, subtree.node)};
 }
 
 }  // namespace farfield::detail

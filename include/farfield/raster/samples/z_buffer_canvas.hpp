@@ -25,6 +25,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/samples/depth_tested_fill.hpp"
 #include "farfield/raster/samples/far_deposits.hpp"
+#include "farfield/raster/samples/image_fill.hpp"
 #include "farfield/raster/samples/kept_image.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
 #include "farfield/raster/samples/sliced_buffers.hpp"
