@@ -24,7 +24,7 @@ struct Thing {
 template <class P>
 std::vector<Item> items_of(const std::vector<P>& primitives, HierarchyFacts& facts) {
     std::vector<Item> items;
-    detail::read_primitives(std::span<const P>(primitives), TriangleCount{}, facts,
+    detail::read_primitives(std::span<const P>(primitives), TriangleCount{}, BoxD::empty(), facts,
                             [&](const Item& item) { items.push_back(item); });
     return items;
 }

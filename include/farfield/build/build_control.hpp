@@ -10,14 +10,16 @@
 #include "farfield/build/build_progress.hpp"
 #include "farfield/executor.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/geometry/box.hpp"
 
 namespace farfield::detail {
 
-/// What a build may take before no cell is split any more. 0: no limit.
+/// What a build may take before no cell is split any more, 0: no limit; and the space that it is made for.
 struct BuildBudget {
     std::uint64_t memory_bytes = 0;
     std::uint32_t pieces_per_polygon = 0;
     std::uint64_t free_pieces = std::uint64_t(1) << 19;  ///< beside those
+    BoxD world = BoxD::empty();                              ///< beside all that there is
 };
 
 /// Executor and progress callback are borrowed. The callback is called on the thread that builds, between steps.

@@ -3,13 +3,16 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "farfield/approximation.hpp"
 #include "farfield/cost_model.hpp"
 #include "farfield/geometry/cell.hpp"
+#include "farfield/hierarchy/node.hpp"
 #include "farfield/partition.hpp"
 
 namespace farfield::detail {
@@ -37,6 +40,23 @@ struct BuildNode {
     std::uint8_t levels_replaced = 0;      ///< as Node's
     bool is_pruned = false;
 };
+
+/// Sets stand_in_levels_below, given a node's masks and its children, which are finished.
+inline void mark_levels_below(Node& node, std::span<const Node> children, bool has_stand_in) {
+    unsigned deepest = Node::nothing_below;
+    std::size_t child = 0;
+    for (unsigned mask = node.child_mask; mask != 0; mask &= mask - 1, ++child) {
+        unsigned below = children[child].stand_in_levels_below;
+        const bool stands_in = (node.stand_in_mask & (mask & (0u - mask))) != 0;
+        if (stands_in && below == 0) below = children[child].levels_replaced;
+        if (below == Node::nothing_below) continue;
+        // Where cells are not halved nobody asks for more than whether there are any.
+        const unsigned levels = std::min(below + 1, Node::nothing_below - 1u);
+        deepest = deepest == Node::nothing_below ? levels : std::max(deepest, levels);
+    }
+    if (deepest == Node::nothing_below && has_stand_in) deepest = 0;
+    node.stand_in_levels_below = std::uint8_t(deepest);
+}
 
 /// What a cell's items must cost more than to be split into `children`. "The cost of rendering the primitives is no
 /// more than the cost of rendering the color-cube approximations of the children" (1996, section 4): then a cell is not

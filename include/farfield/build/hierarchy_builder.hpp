@@ -23,6 +23,7 @@
 #include "farfield/build/move_up.hpp"
 #include "farfield/build/polygon_splitter.hpp"
 #include "farfield/build/prune_stand_ins.hpp"
+#include "farfield/build/sample_race.hpp"
 #include "farfield/composition.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
 
@@ -190,52 +191,28 @@ class HierarchyBuilder {
     void move_up() {
         constexpr std::size_t chunk = 4096;
         const float scale = data_.facts.root.to_ordinary();
-        std::vector<float> areas(data_.order.size()), keys(areas.size());
-        control_.run_quietly((areas.size() + chunk - 1) / chunk, [&](std::size_t i) {
-            for (std::size_t at = i * chunk; at < std::min((i + 1) * chunk, areas.size()); ++at) {
-                areas[at] = area_of(std::uint32_t(at), scale);
-                keys[at] = areas[at] > 0 && may_move(data_.order[at])
-                               ? approximation_.sample_key(data_.order[at], double(areas[at]))
-                               : std::numeric_limits<float>::infinity();
+        std::vector<Racer> racers(primitives_.size());
+        control_.run_quietly((racers.size() + chunk - 1) / chunk, [&](std::size_t i) {
+            for (std::size_t p = i * chunk; p < std::min((i + 1) * chunk, racers.size()); ++p) {
+                racers[p] = racer_of(approximation_, primitives_[p], std::uint32_t(p), data_.facts.origin, scale);
             }
         });
         std::vector<std::uint32_t> moved;
         moved.reserve(data_.order.size());
-        {
-            MoveUp<A, DraftCell> samples(approximation_, nodes_, data_.order, keys, areas, scale);
-            samples.find_samples();
-            sampled_cells_ = samples.sampled_cells();
-            order_depth_first([&](std::size_t n) {
-                const std::size_t first = moved.size();
-                samples.append_items(n, moved);
-                nodes_[n].count = moved.size() - first;
-                nodes_[n].cost = 0;
-                for (std::size_t at = first; at < moved.size(); ++at) {
-                    nodes_[n].cost += cost_.cost(work_of(primitives_[moved[at]]));
-                }
-            });
-        }
-        data_.order = std::move(moved);
-    }
-
-    /// Instances stay where they are: a cell further up would draw all that is in them.
-    bool may_move([[maybe_unused]] std::uint32_t primitive) const {
-        if constexpr (PrimitiveWithInstance<P>) {
-            return !primitive_traits<P>::visit_instance(primitives_[primitive], [](const auto&) {});
-        }
-        return true;
-    }
-
-    /// In squares of 1 / scale; an instance's is that of its stand-in.
-    float area_of(std::uint32_t position, float scale) const {
-        prefetch(position + 12);
-        const P& primitive = primitives_[data_.order[position]];
-        double doubled = 0;
-        local_polygons(primitive, data_.facts.origin, [&](const Polygon& polygon) {
-            doubled += double(glm::length(doubled_area<float>(
-                polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i] * scale; })));
+        const SampleRace<A> race(approximation_, racers, scale);
+        MoveUp<A, DraftCell> samples(race, nodes_, data_.order);
+        samples.find_samples();
+        order_depth_first([&](std::size_t n) {
+            const std::size_t first = moved.size();
+            samples.append_items(n, moved);
+            nodes_[n].count = moved.size() - first;
+            nodes_[n].cost = 0;
+            for (std::size_t at = first; at < moved.size(); ++at) {
+                nodes_[n].cost += cost_.cost(work_of(primitives_[moved[at]]));
+            }
         });
-        return float(0.5 * doubled);
+        sampled_cells_ = samples.sampled_cells(moved);
+        data_.order = std::move(moved);
     }
 
     /// Takes away nodes that moving has emptied, and those below which nothing stands in any more and culling does not
@@ -356,23 +333,14 @@ class HierarchyBuilder {
     }
 
     void mark_stand_ins(Node& node, std::size_t index, const std::vector<std::uint32_t>& stand_in_of) {
-        unsigned deepest = Node::nothing_below;
         std::uint32_t child = node.first_child;
         for (unsigned mask = node.child_mask; mask != 0; mask &= mask - 1, ++child) {
-            unsigned below = data_.nodes[child].stand_in_levels_below;
-            if (stand_in_of[child] != no_stand_in) {
-                if (below == 0) below = data_.nodes[child].levels_replaced;
-                if (node.stand_in_mask == 0) node.first_child_data = stand_in_of[child];
-                node.stand_in_mask = std::uint8_t(node.stand_in_mask | (mask & (0u - mask)));
-            }
-            if (below != Node::nothing_below) {
-                // Where cells are not halved nobody asks for more than whether there are any.
-                const unsigned levels = std::min(below + 1, Node::nothing_below - 1u);
-                deepest = deepest == Node::nothing_below ? levels : std::max(deepest, levels);
-            }
+            if (stand_in_of[child] == no_stand_in) continue;
+            if (node.stand_in_mask == 0) node.first_child_data = stand_in_of[child];
+            node.stand_in_mask = std::uint8_t(node.stand_in_mask | (mask & (0u - mask)));
         }
-        if (deepest == Node::nothing_below && stand_in_of[index] != no_stand_in) deepest = 0;
-        node.stand_in_levels_below = std::uint8_t(deepest);
+        mark_levels_below(node, std::span<const Node>(data_.nodes).subspan(node.first_child),
+                          stand_in_of[index] != no_stand_in);
     }
 
     std::span<const P> primitives_;

@@ -77,7 +77,7 @@ class PolygonSplitter {
     void take_polygons(PolygonReader& intake) {
         std::vector<ClippedItem> instances;
         intake.reserve(primitives_.size());
-        read_primitives(primitives_, cost_, data_.facts, [&](const Item& item) {
+        read_primitives(primitives_, cost_, budget_.world, data_.facts, [&](const Item& item) {
             const P& primitive = primitives_[item.source];
             if constexpr (PrimitiveWithInstance<P>) {
                 if (primitive_traits<P>::visit_instance(primitive, [](const auto&) {})) {
@@ -97,7 +97,7 @@ class PolygonSplitter {
         data_.facts.report.polygons = intake.items.size() - instances.size();
         data_.facts.report.polygons_joined = intake.joined;
         data_.facts.report.polygons_without_area = intake.without_area;
-        data_.facts.root = partition_.root(data_.facts.bounds);
+        data_.facts.root = partition_.root(bounds_of_root(data_.facts, budget_.world));
     }
 
     /// Each part may have its share of the pieces that are left, so that all can be split at once. Those that it is too

@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "farfield/composition.hpp"
 #include "farfield/fail.hpp"
@@ -37,33 +38,75 @@ const char* wrong_instance([[maybe_unused]] const P& p) {
     return why;
 }
 
-/// Fills in what `facts` say of the whole scene, except for the root, and calls take(Item) for each primitive.
-template <CostModel C, Primitive P, class Take>
-void read_primitives(std::span<const P> primitives, const C& cost, HierarchyFacts& facts, Take&& take) {
-    if (primitives.size() > 0xfffffff0u) {
+template <Primitive P>
+auto checked_bounds(const P& primitive, std::size_t index) {
+    if (const char* why = wrong_instance(primitive)) refuse_primitive(index, why);
+    const auto bounds = primitive_traits<P>::bounds(primitive);
+    if (bounds.is_empty()) refuse_primitive(index, "has an empty bounding box (lower > upper)");
+    if (!bounds.is_finite()) refuse_primitive(index, "has a bounding box that is not finite (NaN or infinity)");
+    return bounds;
+}
+
+/// What a primitive takes of the scene: its item, and the work of drawing it.
+template <CostModel C, Primitive P>
+std::pair<Item, Work> read_item(const P& primitive, std::size_t index, const C& cost, glm::dvec3 origin) {
+    const Work work = work_of(primitive);
+    const Item item{local_bounds(primitive, origin), std::uint32_t(index), cost.cost(work)};
+    if (!(item.cost >= 0)) refuse_primitive(index, "has a cost below 0 or NaN");
+    return {item, work};
+}
+
+inline void add_bounds(Box& all, const Box& bounds, std::size_t index) {
+    all.add(bounds);
+    if (!all.is_finite() || !std::isfinite(4 * all.largest_side()))
+        refuse_primitive(index, "makes the scene's extent overflow single precision");
+}
+
+inline void check_primitive_count(std::size_t count) {
+    if (count > 0xfffffff0u) {
         detail::fail<std::invalid_argument>(
             "farfield: more than 2^32 - 16 primitives; use instances or several hierarchies");
     }
-    facts.fingerprint = mixed(0, primitives.size());
+}
+
+/// Where the hierarchy's coordinates begin: `whole` has all bounds, as primitives give them.
+template <Primitive P>
+glm::dvec3 origin_of(const auto& whole, BoxD world) {
+    if constexpr (has_double_bounds<P>) {
+        world.add(whole);
+        if (!world.is_empty()) return world.center();
+    }
+    return glm::dvec3(0);
+}
+
+/// What the root's cell is made for: all that there is, and BuildOptions::world.
+inline Box bounds_of_root(const HierarchyFacts& facts, const BoxD& world) {
+    Box bounds = facts.bounds;
+    if (!world.is_empty()) {
+        bounds.add(Box{glm::vec3(world.lower - facts.origin), glm::vec3(world.upper - facts.origin)});
+        if (!bounds.is_finite() || !std::isfinite(4 * bounds.largest_side()))
+            detail::fail<std::invalid_argument>("farfield: BuildOptions::world overflows single precision");
+    }
+    return bounds;
+}
+
+/// Fills in what `facts` say of the whole scene, except for the root, and calls take(Item) for each primitive.
+template <CostModel C, Primitive P, class Take>
+void read_primitives(std::span<const P> primitives, const C& cost, const BoxD& world, HierarchyFacts& facts,
+                     Take&& take) {
+    check_primitive_count(primitives.size());
+    Fingerprint fingerprint;
     auto whole = decltype(primitive_traits<P>::bounds(std::declval<const P&>()))::empty();
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-        if (const char* why = wrong_instance(primitives[i])) refuse_primitive(i, why);
-        const auto b = primitive_traits<P>::bounds(primitives[i]);
-        if (b.is_empty()) refuse_primitive(i, "has an empty bounding box (lower > upper)");
-        if (!b.is_finite()) refuse_primitive(i, "has a bounding box that is not finite (NaN or infinity)");
+        const auto b = checked_bounds(primitives[i], i);
         whole.add(b);
-        facts.fingerprint = mixed(facts.fingerprint, b);
+        fingerprint.add(Fingerprint::part(i, b));
     }
-    if constexpr (has_double_bounds<P>) {
-        if (!whole.is_empty()) facts.origin = whole.center();
-    }
+    facts.fingerprint = fingerprint.of(primitives.size());
+    facts.origin = origin_of<P>(whole, world);
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-        const Work work = work_of(primitives[i]);
-        const Item item{local_bounds(primitives[i], facts.origin), std::uint32_t(i), cost.cost(work)};
-        if (!(item.cost >= 0)) refuse_primitive(i, "has a cost below 0 or NaN");
-        facts.bounds.add(item.bounds);
-        if (!facts.bounds.is_finite() || !std::isfinite(4 * facts.bounds.largest_side()))
-            refuse_primitive(i, "makes the scene's extent overflow single precision");
+        const auto [item, work] = read_item(primitives[i], i, cost, facts.origin);
+        add_bounds(facts.bounds, item.bounds, i);
         facts.work += work;
         take(item);
     }

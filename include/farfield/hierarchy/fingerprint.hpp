@@ -24,14 +24,29 @@ std::uint64_t mixed(std::uint64_t hash, const B& b) {
                            word(float(b.lower.z), float(b.upper.z)));
 }
 
+/// A sum of hashes, each of a primitive's bounds and its index: who changes one primitive need not look at the others.
+class Fingerprint {
+  public:
+    template <SomeBox B>
+    static std::uint64_t part(std::size_t index, const B& bounds) {
+        return mixed(mixed(mixed(0, index), bounds), 0);
+    }
+    void add(std::uint64_t part) { sum_ += part; }
+    void remove(std::uint64_t part) { sum_ -= part; }
+    std::uint64_t of(std::size_t count) const { return mixed(sum_, count); }
+
+  private:
+    std::uint64_t sum_ = 0;
+};
+
 /// In an order of indices, or as they lie if that is empty.
 template <Primitive P>
 std::uint64_t fingerprint_of(std::span<const P> primitives, std::span<const std::uint32_t> order = {}) {
-    std::uint64_t hash = mixed(0, primitives.size());
+    Fingerprint sum;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-        hash = mixed(hash, primitive_traits<P>::bounds(primitives[order.empty() ? i : order[i]]));
+        sum.add(Fingerprint::part(i, primitive_traits<P>::bounds(primitives[order.empty() ? i : order[i]])));
     }
-    return hash;
+    return sum.of(primitives.size());
 }
 
 }  // namespace farfield::detail
