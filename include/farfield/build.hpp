@@ -11,6 +11,7 @@
 #include <optional>
 #include <ranges>
 #include <span>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -20,6 +21,8 @@
 #include "farfield/build/hierarchy_builder.hpp"
 #include "farfield/composition.hpp"
 #include "farfield/executor.hpp"
+#include "farfield/fail.hpp"
+#include "farfield/geometry/box.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/missing_hooks.hpp"
 #include "farfield/sampler/grid_sampler.hpp"
@@ -47,6 +50,9 @@ struct BuildOptions {
     /// the square: 800 long triangles become 1.6 million. What is left together then is in no order: the report counts
     /// it, and renderers that need strict order refuse it.
     std::uint32_t most_pieces_per_polygon = 16;
+    /// The root's cell is made for this space too, in the primitives' coordinates, beside all that there is. What is
+    /// added in it later leaves the cells where they are, so that an update (update.hpp) need not build all anew.
+    BoxD world = BoxD::empty();
 };
 
 namespace detail {
@@ -55,22 +61,38 @@ template <class Range>
 concept ContiguousPrimitives = std::ranges::contiguous_range<Range> && std::ranges::sized_range<Range> &&
     Primitive<std::ranges::range_value_t<Range>>;
 
-template <class H, Primitive P, class Sampler>
-typename H::Data build_data(std::span<const P> primitives, const BuildOptions<H, Sampler>& options) {
-    const BuildControl control(options.executor, options.progress);
+/// Throws std::invalid_argument if an option makes no sense.
+template <class H, class Sampler>
+void check_build_options(const BuildOptions<H, Sampler>& options) {
     check_options(options.partition);
     check_options(options.approximation);
     check_options(options.cost_model);
     check_options(options.sampler);
-    auto data = HierarchyBuilder<H, P, Sampler>(primitives, options.partition, options.approximation,
-                                                options.cost_model, options.sampler,
-                                                {options.memory_budget_bytes, options.most_pieces_per_polygon}, control)
-                    .build();
-    if constexpr (H::approximation_type::facts.stands_in && TellsItsLight<Sampler>) {
-        const std::optional<DirectionalLight> light = options.sampler.light;
-        data.facts.baked_light = light ? BakedLight::directional : BakedLight::none;
-        data.facts.light = light.value_or(DirectionalLight{});
+    if (options.world != BoxD::empty() && (options.world.is_empty() || !options.world.is_finite()))
+        detail::fail<std::invalid_argument>("farfield: BuildOptions::world must be BoxD::empty() or a finite box");
+}
+
+/// Keeps in mind what light the sampler has given stand-ins.
+template <class A, class Sampler>
+void tell_light([[maybe_unused]] const Sampler& sampler, [[maybe_unused]] HierarchyFacts& facts) {
+    if constexpr (A::facts.stands_in && TellsItsLight<Sampler>) {
+        const std::optional<DirectionalLight> light = sampler.light;
+        facts.baked_light = light ? BakedLight::directional : BakedLight::none;
+        facts.light = light.value_or(DirectionalLight{});
     }
+}
+
+template <class H, Primitive P, class Sampler>
+typename H::Data build_data(std::span<const P> primitives, const BuildOptions<H, Sampler>& options) {
+    const BuildControl control(options.executor, options.progress);
+    check_build_options(options);
+    auto data =
+        HierarchyBuilder<H, P, Sampler>(
+            primitives, options.partition, options.approximation, options.cost_model, options.sampler,
+            {options.memory_budget_bytes, options.most_pieces_per_polygon, BuildBudget{}.free_pieces, options.world},
+            control)
+            .build();
+    tell_light<typename H::approximation_type>(options.sampler, data.facts);
     return data;
 }
 

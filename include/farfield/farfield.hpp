@@ -49,6 +49,7 @@
 #include "farfield/tuning/measure_error_table.hpp"
 #include "farfield/tuning/measure_frame_prices.hpp"
 #include "farfield/tuning/variants.hpp"
+#include "farfield/update.hpp"
 #include "farfield/version.hpp"
 #include "farfield/viewer.hpp"
 #include "farfield/voxel/voxel_pyramid.hpp"

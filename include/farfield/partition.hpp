@@ -73,6 +73,8 @@ struct PartitionFacts {
     /// Children are the octants of their cell: bits 0, 1, 2 of a child's number say whether it is the upper half in x,
     /// y and z.
     bool children_are_octants = false;
+    /// choose() looks at the cell alone and not at its items: such a tree can be updated (update.hpp).
+    bool chooses_by_cell = false;
     std::uint32_t file_tag = 0;  ///< names the policy in files; change it with the meaning of the data. 0: never stored
 };
 

@@ -37,6 +37,7 @@ may_include(hierarchy ${contracts})
 may_include(spatial_hierarchy.hpp ${hierarchy})
 may_include(build ${hierarchy})
 may_include(build.hpp build sampler ${hierarchy}) # the sampler that a build takes where it is given none
+may_include(update.hpp build build.hpp sampler ${hierarchy})
 may_include(storage ${hierarchy})
 may_include(frame ${hierarchy})
 may_include(viewer.hpp ${frame})
@@ -66,7 +67,9 @@ tested_by(consumer/settings settings)
 tested_by(build build/build_progress)
 tested_by(approximation/image_cache frame/image_chooser frame/image_maker raster/samples/kept_image raster/samples/image_fill
           raster/samples/sliced_buffers)
-tested_by(build/cell_splitter build/build_node)
+tested_by(build/cell_splitter build/build_node build/cell_decision)
+tested_by(build/move_up build/sample_race)
+tested_by(update build/cell_tree)
 tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
 tested_by(renderer/z_buffer_renderer raster/render_options)
 # Parts that mean little by themselves are tested by what they are parts of, mostly against brute force.

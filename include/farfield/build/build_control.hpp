@@ -19,7 +19,7 @@ struct BuildBudget {
     std::uint64_t memory_bytes = 0;
     std::uint32_t pieces_per_polygon = 0;
     std::uint64_t free_pieces = std::uint64_t(1) << 19;  ///< beside those
-    BoxD world = BoxD::empty();                              ///< beside all that there is
+    BoxD world = BoxD::empty();                          ///< beside all that there is
 };
 
 /// Executor and progress callback are borrowed. The callback is called on the thread that builds, between steps.

@@ -110,8 +110,7 @@ CellDecision decide_about_cell(const Partition_& partition, const A& approximati
         }
     }
     if (splits && answer != Split::always) {
-        d.would_not_pay =
-            !split_pays<Partition_>(approximation, cost, rest_cost, float(std::popcount(child_mask)));
+        d.would_not_pay = !split_pays<Partition_>(approximation, cost, rest_cost, float(std::popcount(child_mask)));
         d.no_memory = !d.would_not_pay && over_budget;
         splits = !d.would_not_pay && !d.no_memory;
     }

@@ -36,22 +36,24 @@ bool is_reproduced(const A& approximation, std::span<const BuildNode_> nodes, st
     return approximation.reproduces(node.cell, drafts[n], std::span<const ChildDraft<Draft>>(children.data(), count));
 }
 
+/// Items in several cells stay where they are, and so does what is split for its order.
+template <Partition Partition_, Approximation A>
+inline constexpr bool may_drop_leaves =
+    agreed_assignment<Partition_, A> == Assignment::unique && !Partition_::facts.splits_for_order;
+
 /// Takes away the stand-ins of children that their parent's reproduces, and small leaves that are left without one,
 /// whose items follow the parent's own and become its own. A viewer then looks at the parent's error divided by two,
 /// which is what the children's would be; one level at a time, for what a stand-in is off by in place adds up with
 /// every level.
 template <Partition Partition_, Approximation A, class BuildNode_, class Draft>
 void prune_redundant_stand_ins(const A& approximation, std::span<BuildNode_> nodes, std::span<const Draft> drafts) {
-    // Items in several cells stay where they are, and so does what is split for its order.
-    constexpr bool may_drop_leaves =
-        agreed_assignment<Partition_, A> == Assignment::unique && !Partition_::facts.splits_for_order;
     for (std::size_t n = nodes.size(); n-- > 0;) {  // children before parents
         if (!is_reproduced(approximation, std::span<const BuildNode_>(nodes), drafts, n)) continue;
         BuildNode_& node = nodes[n];
         node.levels_replaced = 1;
         const auto children = nodes.subspan(node.first_child, std::size_t(std::popcount(node.child_mask)));
         for (BuildNode_& child : children) child.stand_in = no_stand_in;
-        if (!may_drop_leaves || node.end_item - node.first_item > max_items_unculled ||
+        if (!may_drop_leaves<Partition_, A> || node.end_item - node.first_item > max_items_unculled ||
             std::any_of(children.begin(), children.end(), [](const BuildNode_& c) { return c.child_mask != 0; })) {
             continue;
         }

@@ -45,8 +45,8 @@ template <class A, Primitive P>
 Racer racer_of(const A& approximation, const P& primitive, std::uint32_t index, glm::dvec3 origin, float scale) {
     double doubled = 0;
     local_polygons(primitive, origin, [&](const Polygon& polygon) {
-        doubled += double(glm::length(doubled_area<float>(
-            polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i] * scale; })));
+        doubled += double(glm::length(
+            doubled_area<float>(polygon.vertices.size(), [&](std::size_t i) { return polygon.vertices[i] * scale; })));
     });
     Racer racer{.area = float(0.5 * doubled)};
     bool is_instance = false;

@@ -39,6 +39,7 @@ struct BasicOctree {
     static constexpr PartitionFacts facts{.offers = assigned,
                                           .ordering = OrderGuarantee::cells,
                                           .children_are_octants = true,
+                                          .chooses_by_cell = true,
                                           .file_tag = 0x4f430000u + static_cast<std::uint32_t>(assigned)};
 
     Cell root(const Box& bounds) const {
