@@ -346,24 +346,23 @@ requires(decides_cell_by_cell<H>) class CellTree {
         typename Partition_::node_data data{};
         if (partition_.choose(twigs_[n].cell, std::span<const Item>(), data) == Split::always) return true;
         const unsigned children = children_of(n);
-        bool surely_pays = Partition_::facts.splits_for_order;
-        if constexpr (!Partition_::facts.splits_for_order) {
-            const float least = least_cost_to_split(approximation_, cost_, float(children));
-            for_each_child(n, [&](unsigned, std::uint32_t child) {
-                surely_pays = surely_pays || surely_costs_more(child, least);
-            });
-        }
+        const bool surely_pays = Partition_::facts.splits_for_order ||
+                                 rest_surely_costs_more(n, least_cost_to_split(approximation_, cost_, float(children)));
         if (surely_pays && children > 1) return true;
         if (surely_pays) return !all_at_one_place(n);
         return decide(n, all_items(n)).child_mask != 0;
     }
-    /// A sum of 2^20 floats that are not below 0 errs by less than 1/8, in whatever order they are added; and is no
-    /// less than that of some of them.
-    bool surely_costs_more(std::uint32_t n, float least) const {
-        if (twigs_[n].items <= std::uint32_t(1) << 20) return twigs_[n].split_cost > 2 * least;
-        bool is_sure = false;
-        for_each_child(n, [&](unsigned, std::uint32_t child) { is_sure = is_sure || surely_costs_more(child, least); });
-        return is_sure;
+    /// Sums of n floats that are not below 0 differ by less than n / 2^22 of themselves, in whatever order they are
+    /// added, where n is up to 2^20; and are no less than that of some of them.
+    bool rest_surely_costs_more(std::uint32_t n, float least) const {
+        const bool is_summed = twigs_[n].items <= std::uint32_t(1) << 20;
+        bool one_does = false;
+        float rest = 0;
+        for_each_child(n, [&](unsigned, std::uint32_t child) {
+            rest += twigs_[child].split_cost;
+            one_does = one_does || (!is_summed && rest_surely_costs_more(child, least));
+        });
+        return is_summed ? rest > least * (1 + float(twigs_[n].items) * 0x1p-21f) : one_does;
     }
     bool all_at_one_place(std::uint32_t n) const {
         std::uint32_t first = none;

@@ -103,7 +103,7 @@ class SampleRace {
         const std::size_t count = children.empty() ? list.size() : wanted;
         choose(count, list);
         if (!out.is_all && some_child_is_short(count, list, children)) {
-            // A child's whole list is among the least keys, and so may be what its list left out.
+            // A child's whole list is among the least keys but the last, and so may be what its list left out.
             list.clear();
             visit_all(add);
             out.is_all = true;
@@ -159,10 +159,10 @@ class SampleRace {
     bool some_child_is_short(std::size_t count, std::span<const std::uint32_t> list,
                              std::span<const Child> children) const {
         if (count == 0 || list.empty()) return false;
-        const bool takes_all = list.size() <= count;
+        const bool needs_more = list.size() < count;
         const std::uint32_t last = list[std::min(count, list.size()) - 1];
         return std::any_of(children.begin(), children.end(), [&](const Child& child) {
-            return !child.about.is_all && !child.list.empty() && (takes_all || !wins(last, child.list.back()));
+            return !child.about.is_all && !child.list.empty() && (needs_more || wins(child.list.back(), last));
         });
     }
 
