@@ -103,6 +103,29 @@ TEST_CASE("options are by name, and those that are left out are the policies' ow
     CHECK(same_bytes(dark.nodes(), bright.nodes()));
 }
 
+TEST_CASE("a world is what the root's cell is made for, beside what there is") {
+    const Triangles triangles = random_triangles(500, 734, 0.02f);
+    const Cubes h = build<Cubes>(triangles, {.world = {glm::dvec3(-4), glm::dvec3(4, 2, 4)}});
+    CHECK(h.root_cell().half == glm::vec3(4));
+    CHECK(h.root_cell().center == glm::vec3(0, -1, 0));
+    CHECK(h.bounds() == build<Cubes>(triangles).bounds());
+    const Cubes around = build<Cubes>(triangles, {.world = {glm::dvec3(0), glm::dvec3(0.1)}});
+    CHECK(same(around, build<Cubes>(triangles)));
+    const auto refused = [&](const BoxD& world) {
+        try {
+            build<Cubes>(triangles, {.world = world});
+            return std::string();
+        } catch (const std::invalid_argument& e) {
+            return std::string(e.what());
+        }
+    };
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const std::string why = "farfield: BuildOptions::world must be BoxD::empty() or a finite box";
+    CHECK(refused({glm::dvec3(0), glm::dvec3(infinity)}) == why);
+    CHECK(refused({glm::dvec3(1), glm::dvec3(0)}) == why);
+    CHECK(refused({glm::dvec3(0), glm::dvec3(1e39)}) == "farfield: BuildOptions::world overflows single precision");
+}
+
 TEST_CASE("in place, primitives come in the hierarchy's order, and it needs no list of it") {
     for (const std::size_t count : {0u, 1u, 2000u}) {
         const Triangles before = mixed_triangles(count, 732);

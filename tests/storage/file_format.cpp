@@ -48,7 +48,7 @@ TEST_CASE("what can be stored is stated by concepts") {
 }
 
 // Byte by byte: whoever makes this test fail makes a new version of the format.
-TEST_CASE("version 4 lies in files like this") {
+TEST_CASE("version 5 lies in files like this") {
     HierarchyData<Octree, ColorCube> parts;
     parts.nodes = {Node{1, 0, 1, 0b101, 0b100, 1, 0}, Node{0, 1, 0, 0, 0, 255, 0}, Node{0, 2, 0, 0, 0, 0, 0}};
     parts.stand_ins = {ColorCube::stand_in_data{Rgba8{1, 2, 3, 4}}, ColorCube::stand_in_data{Rgba8{5, 6, 7, 8}}};
@@ -89,7 +89,7 @@ TEST_CASE("version 4 lies in files like this") {
                       "\x89"
                       "FFH\r\n\x1a\n",
                       8) == 0);
-    CHECK(at(8, u32) == 4);
+    CHECK(at(8, u32) == 5);
     CHECK(at(12, u32) == 0x01020304);
     CHECK(at(16, u32) == 664);
     CHECK(at(20, u32) == Octree::facts.file_tag);

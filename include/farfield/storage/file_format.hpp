@@ -1,6 +1,6 @@
 // The layout of a hierarchy's file, and the questions that policies must answer to be stored.
 //
-// This is version 4, which counts polygons and pieces. Numbers are in the byte order of the machine that wrote
+// This is version 5, whose fingerprints are sums over primitives. Numbers are in the byte order of the machine that wrote
 // them, which `byte_order` tells; a machine of the other order refuses the file.
 //
 //     0    FileHeader, 664 bytes
@@ -111,7 +111,7 @@ namespace detail {
 
 /// The first byte is not text, and programs that damage line ends damage these (after PNG's signature).
 inline constexpr std::array<std::uint8_t, 8> file_magic{0x89, 'F', 'F', 'H', '\r', '\n', 0x1a, '\n'};
-inline constexpr std::uint32_t file_version = 4;
+inline constexpr std::uint32_t file_version = 5;
 inline constexpr std::uint32_t file_byte_order = 0x01020304u;
 inline constexpr std::uint64_t section_alignment = 64;
 
