@@ -76,9 +76,23 @@ struct Canvas {
         far.resize(w, h);
         far.begin();
     }
-    auto depths() const {
-        return [this](int y) { return depth.data() + y * width; };
-    }
+    /// What FarSamples asks of SampleBlocks.
+    struct Depths {
+        const std::vector<float>& of;
+        int width;
+
+        float depth(int x, int y) const { return of[std::size_t(y * width + x)]; }
+        template <class Depth>
+        std::uint64_t farther(int y, int first, std::uint64_t wanted, const Depth& q) const {
+            std::uint64_t bits = 0;
+            for (int i = 0; i < 64; ++i) {
+                const std::uint64_t bit = std::uint64_t(1) << i;
+                if ((wanted & bit) != 0 && !(q(first + i) <= depth(first + i, y))) bits |= bit;
+            }
+            return bits;
+        }
+    };
+    Depths depths() const { return {depth, width}; }
     void deposit(const Square& s) {
         far.deposit_square(depths(), s.left, s.top, s.right, s.bottom, s.q, s.loss, s.rgb);
     }
@@ -147,13 +161,15 @@ TEST_CASE("eight lanes at a time compute the same bits as one", "[raster]") {
     int checked = 0;
     for (int i = 0; i < 40000; ++i) {
         FarSample a, b;
-        for (std::uint16_t& t : a.lane) {
+        FarLanes a_lanes, b_lanes;
+        for (std::uint16_t& t : a_lanes.lane) {
             const std::uint32_t kind = random.below(6);
             t = kind == 0 ? std::uint16_t(0) : kind == 1 ? std::uint16_t(65535) : std::uint16_t(random.bits());
             if (i % 5 == 0) t = std::uint16_t(t >> random.below(16));
         }
         a.transmittance = random.unit();
         b = a;
+        b_lanes = a_lanes;
         const auto some = [&] {
             const float odd[] = {0, 1, 1e-5f, 7, infinity, -1, std::numeric_limits<float>::quiet_NaN()};
             return random.below(4) == 0 ? odd[random.below(7)] : random.unit();
@@ -175,14 +191,85 @@ TEST_CASE("eight lanes at a time compute the same bits as one", "[raster]") {
         ++checked;
         const int column = int(random.below(std::uint32_t(p.x1 - p.x0 + 1))),
                   row = int(random.below(std::uint32_t(p.y1 - p.y0 + 1)));
-        const bool closed = one::Deposit(loss, rgb).into(a, p.columns(column), p.rows(row));
-        CHECK(closed == many::Deposit(loss, rgb).into(b, q.columns(column), q.rows(row)));
+        const bool closed = one::Deposit(loss, rgb).into(a, a_lanes, p.columns(column), p.rows(row));
+        CHECK(closed == many::Deposit(loss, rgb).into(b, b_lanes, q.columns(column), q.rows(row)));
         CHECK(std::memcmp(&a, &b, sizeof a) == 0);
+        CHECK(std::memcmp(&a_lanes, &b_lanes, sizeof a_lanes) == 0);
         int sum = 0;
-        for (const std::uint16_t t : a.lane) sum += t;
+        for (const std::uint16_t t : a_lanes.lane) sum += t;
         CHECK(a.transmittance == Approx(closed ? 0 : float(sum) / (65535.0f * 16)).margin(1e-6));
     }
     CHECK(checked > 10000);
+}
+
+TEST_CASE("a sample whose lanes are alike needs none of them", "[raster]") {
+    namespace one = one_lane_at_a_time;
+    namespace many = native_lanes;
+    Random random(72);
+    const one::Columns columns(0, lanes::sample_width);
+    const one::Rows rows(0, lanes::sample_height);
+    for (int i = 0; i < 3000; ++i) {
+        FarSample a, b, c;
+        FarLanes a_lanes;
+        a_lanes.fill(lanes::one);
+        for (bool is_closed = false; !is_closed;) {
+            const float part = random.unit() * (i % 2 ? 1.0f : 0.1f) + 1e-4f, relative = random.unit();
+            const Loss loss{part * relative, part * (1 - relative)};
+            const glm::vec3 rgb(random.unit(), random.unit(), random.unit());
+            is_closed = one::Deposit(loss, rgb).into(a, a_lanes, columns, rows);
+            REQUIRE(one::Deposit(loss, rgb).into(b) == is_closed);
+            REQUIRE(many::Deposit(loss, rgb).into(c) == is_closed);
+            REQUIRE(std::memcmp(&a, &b, sizeof a) == 0);
+            REQUIRE(std::memcmp(&a, &c, sizeof a) == 0);
+            if (!is_closed) REQUIRE(lane_of(a.transmittance) == int(a_lanes.lane[0]));
+        }
+    }
+}
+
+TEST_CASE("large squares leave what their samples, deposited one by one, do", "[raster]") {
+    Random random(73);
+    for (int round = 0; round < 60; ++round) {
+        const int width = 150, height = 40;
+        // The second is a part of a larger picture.
+        Canvas whole(width, height), one_by_one(width, height), part(70, 30);
+        const int left = 50, top = 7;
+        part.far.place(left, top, width, height);
+        for (int i = 0; i < width * height; ++i) {
+            if (random.below(3) != 0 && round % 3 != 0) continue;
+            whole.depth[std::size_t(i)] = one_by_one.depth[std::size_t(i)] = random.unit();
+            const int x = i % width - left, y = i / width - top;
+            if (x >= 0 && y >= 0 && x < 70 && y < 30) {
+                part.depth[std::size_t(y * 70 + x)] = whole.depth[std::size_t(i)];
+            }
+        }
+        for (int i = 0; i < 12; ++i) {
+            const float x = random.between(-40, 150), y = random.between(-30, 40);
+            Square s{x, y, x + 100 * random.unit() * random.unit(), y + 80 * random.unit() * random.unit(),
+                     loss_of_opacity(random.unit() * 0.6f, laws[random.below(3)])};
+            if (random.below(3) == 0) s.left = std::floor(s.left), s.bottom = std::floor(s.bottom);
+            s.rgb = {random.unit(), random.unit(), random.unit()};
+            s.q = 1 - float(i) / 12;
+            whole.deposit(s);
+            part.deposit(s);
+            for (int v = 0; v < height; ++v) {
+                for (int u = 0; u < width; ++u) {
+                    Square of = s;
+                    of.left = std::max(s.left, float(u)), of.right = std::min(s.right, float(u + 1));
+                    of.top = std::max(s.top, float(v)), of.bottom = std::min(s.bottom, float(v + 1));
+                    one_by_one.deposit(of);
+                }
+            }
+        }
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                REQUIRE(same(whole.at(x, y), one_by_one.at(x, y)));
+                REQUIRE(whole.far.is_open(x, y) == one_by_one.far.is_open(x, y));
+                REQUIRE(whole.far.first_over(-infinity, x, y) == one_by_one.far.first_over(-infinity, x, y));
+                const int u = x - left, v = y - top;
+                if (u >= 0 && v >= 0 && u < 70 && v < 30) REQUIRE(same(whole.at(x, y), part.at(u, v)));
+            }
+        }
+    }
 }
 
 TEST_CASE("what is opaque covers once where it lies twice, and both halves where it lies in both", "[raster]") {
@@ -327,7 +414,7 @@ TEST_CASE("a row of whole samples is a square that covers them", "[raster]") {
             const Loss loss = loss_of_opacity(random.unit() * 0.4f, law);
             const glm::vec3 rgb(random.unit(), random.unit(), random.unit());
             row.far.deposit_row(
-                row.depths(), y, begin, end, [](int x) { return float(x); }, loss, rgb);
+                row.depths(), y, begin, end, [](int x) { return float(x); }, FarSamples::Deposit(loss, rgb));
             for (int x = begin; x < end; ++x) {
                 squares.deposit({float(x), float(y), float(x + 1), float(y + 1), loss, rgb, float(x)});
             }

@@ -75,8 +75,16 @@ TEST_CASE("surfaces and samples are read as they were written, and bounds hold",
             for (int y = 0; y < height; ++y) {
                 const int begin = int(random.below(std::uint32_t(width)));
                 blocks.colors(y, begin, width, line.data());
+                const float q_here = 60 * random.unit() * random.unit(), q_step = random.between(-0.2f, 0.2f);
+                const auto q = [&](int x) { return q_here + q_step * float(x); };
+                const std::uint64_t wanted = random.bits() & ((std::uint64_t(1) << width) - 1);
+                const std::uint64_t farther = blocks.farther(y, 0, wanted, q);
                 for (int x = 0; x < width; ++x) {
                     const auto at = std::size_t(y * width + x);
+                    const bool is_wanted = (wanted >> x & 1) != 0;
+                    wrong += (farther >> x & 1) != (is_wanted && depth[at] < q(x) ? 1u : 0u);
+                    const SampleBlocks::Sample sample = blocks.sample(x, y);
+                    wrong += sample.depth != depth[at] || sample.color != color[at];
                     wrong += blocks.depth(x, y) != depth[at];
                     wrong += blocks.color(x, y) != color[at];
                     wrong += x >= begin && line[std::size_t(x - begin)] != color[at];

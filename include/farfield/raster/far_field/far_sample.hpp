@@ -9,6 +9,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 #include "farfield/geometry/area_law.hpp"
@@ -28,9 +29,20 @@ inline constexpr int closed = int(closed_transmittance * float(count * one));  /
 struct alignas(16) FarSample {
     float r = 0, g = 0, b = 0;  ///< premultiplied
     float transmittance = 1;    ///< mean of the lanes, or 0 if that is below closed_transmittance
-    std::uint16_t lane[lanes::count] = {lanes::one, lanes::one, lanes::one, lanes::one, lanes::one, lanes::one,
-                                        lanes::one, lanes::one, lanes::one, lanes::one, lanes::one, lanes::one,
-                                        lanes::one, lanes::one, lanes::one, lanes::one};  ///< row by row
 };
+
+/// Most of a large deposit's samples are covered whole, and their lanes stay alike: the transmittance tells them. Lanes
+/// are kept, and memory for them touched, only of samples that something covers in part.
+struct alignas(32) FarLanes {
+    std::uint16_t lane[lanes::count];  ///< row by row
+
+    void fill(std::uint16_t all) { std::fill_n(lane, lanes::count, all); }
+};
+
+/// What each of a sample's lanes is, if they are alike. The transmittance was computed from it with an error far below
+/// half a unit.
+inline int lane_of(float transmittance) {
+    return int(transmittance * float(lanes::one) + 0.5f);
+}
 
 }  // namespace farfield::detail

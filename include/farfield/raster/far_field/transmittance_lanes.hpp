@@ -23,7 +23,8 @@ namespace farfield::detail {
 //     columns(i)   how much of each column of lanes it covers in the i-th samples from the left
 //     rows(i)      how much of each row of lanes in the i-th samples from the top
 //   Deposit        a loss in 65535ths, rounded and clamped to [0, 1] (NaN counts as 0), and a color
-//     into         takes the loss from the part of each lane that is covered; true if that closed the sample
+//     into         takes the loss from the part of each lane that is covered; true if that closed the sample. Without
+//                  lanes: of a sample that is covered whole and whose lanes are alike
 
 namespace one_lane_at_a_time {
 
@@ -86,14 +87,28 @@ class Deposit {
     Deposit(Loss loss, glm::vec3 rgb)
         : relative_(rounded(loss.relative)), absolute_(rounded(loss.absolute)), rgb_(rgb) {}
 
-    bool into(FarSample& s, const Columns& columns, const Rows& rows) const {
+    bool into(FarSample& s, FarLanes& of, const Columns& columns, const Rows& rows) const {
         int sum = 0;
         for (int i = 0; i < lanes::count; ++i) {
-            const std::uint32_t t = s.lane[i], part = columns.of[i % lanes::side] * rows.of[i / lanes::side];
-            const std::uint32_t loss = std::min<std::uint32_t>((t * relative_ >> 16) + absolute_, lanes::one);
-            s.lane[i] = std::uint16_t(t - std::min(product(loss, part), t));
-            sum += s.lane[i];
+            const std::uint32_t t = of.lane[i], part = columns.of[i % lanes::side] * rows.of[i / lanes::side];
+            of.lane[i] = std::uint16_t(t - std::min(product(loss_of(t), part), t));
+            sum += of.lane[i];
         }
+        return take(s, sum);
+    }
+    bool into(FarSample& s) const {
+        const auto t = std::uint32_t(lane_of(s.transmittance));
+        return take(s, lanes::count * int(t - std::min(loss_of(t), t)));
+    }
+
+  private:
+    static std::uint32_t rounded(float v) {
+        return std::uint32_t(int(std::min(std::max(0.0f, v), 1.0f) * float(lanes::one) + 0.5f));
+    }
+    std::uint32_t loss_of(std::uint32_t t) const {
+        return std::min<std::uint32_t>((t * relative_ >> 16) + absolute_, lanes::one);
+    }
+    bool take(FarSample& s, int sum) const {
         const bool closes = sum < lanes::closed;
         const float taken = s.transmittance - (closes ? 0.0f : float(sum) * (1.0f / float(lanes::count * lanes::one)));
         s.r += taken * rgb_.x;
@@ -102,22 +117,17 @@ class Deposit {
         s.transmittance -= taken;
         return closes;
     }
-
-  private:
-    static std::uint32_t rounded(float v) {
-        return std::uint32_t(int(std::min(std::max(0.0f, v), 1.0f) * float(lanes::one) + 0.5f));
-    }
     std::uint32_t relative_, absolute_;
     glm::vec3 rgb_;
 };
 
 /// Deposits into a single lane, `part` of which is covered (at most all of it).
-inline bool into_lane(FarSample& s, int lane, float part, Loss loss, glm::vec3 rgb) {
-    const auto before = float(s.lane[lane]);
+inline bool into_lane(FarSample& s, FarLanes& of, int lane, float part, Loss loss, glm::vec3 rgb) {
+    const auto before = float(of.lane[lane]);
     const float taken_here =
         std::min((loss.relative * before + loss.absolute * float(lanes::one)) * std::min(part, 1.0f), before);
     const int left = int(before - taken_here + 0.5f);
-    s.lane[lane] = std::uint16_t(left);
+    of.lane[lane] = std::uint16_t(left);
     float taken = (before - float(left)) * (1.0f / float(lanes::count * lanes::one));
     const bool closes = s.transmittance - taken < closed_transmittance;
     if (closes) taken = s.transmittance;

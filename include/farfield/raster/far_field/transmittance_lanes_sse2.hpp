@@ -108,18 +108,29 @@ class Deposit {
         absolute_ = _mm_shuffle_epi32(twice, 0x55);
     }
 
-    bool into(FarSample& s, Columns columns, const Rows& rows) const {
-        const __m128i upper = left_of(load(s.lane), _mm_mullo_epi16(columns, rows.upper));
-        const __m128i lower = left_of(load(s.lane + 8), _mm_mullo_epi16(columns, rows.lower));
-        store(s.lane, upper);
-        store(s.lane + 8, lower);
+    bool into(FarSample& s, FarLanes& of, Columns columns, const Rows& rows) const {
+        const __m128i upper = left_of(load(of.lane), _mm_mullo_epi16(columns, rows.upper));
+        const __m128i lower = left_of(load(of.lane + 8), _mm_mullo_epi16(columns, rows.lower));
+        store(of.lane, upper);
+        store(of.lane + 8, lower);
         // Pairs can only be added as signed numbers, so 2^15 is taken from all first.
         const __m128i half = same(-32768), ones = same(1);
         const __m128i pairs = _mm_add_epi32(_mm_madd_epi16(_mm_xor_si128(upper, half), ones),
                                             _mm_madd_epi16(_mm_xor_si128(lower, half), ones));
         const __m128i fours = _mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0x4e));
-        __m128i sum = _mm_add_epi32(fours, _mm_shuffle_epi32(fours, 0xb1));
-        sum = _mm_add_epi32(sum, _mm_set1_epi32(lanes::count * 32768));
+        const __m128i sum = _mm_add_epi32(fours, _mm_shuffle_epi32(fours, 0xb1));
+        return take(s, _mm_add_epi32(sum, _mm_set1_epi32(lanes::count * 32768)));
+    }
+    bool into(FarSample& s) const {
+        const __m128i t = _mm_set1_epi32(lane_of(s.transmittance));
+        // A loss that covers a lane whole is taken as it is: product(loss, 65535) is the loss.
+        const __m128i left = _mm_subs_epu16(t, loss_of(t));
+        return take(s, _mm_slli_epi32(_mm_and_si128(left, _mm_set1_epi32(0xffff)), 4));
+    }
+
+  private:
+    /// `sum` is that of the lanes that are left, four times.
+    bool take(FarSample& s, __m128i sum) const {
         const bool closes = _mm_cvtsi128_si32(sum) < lanes::closed;
         if (closes) sum = _mm_setzero_si128();
         const __m128 left = _mm_mul_ps(_mm_cvtepi32_ps(sum), _mm_set1_ps(1.0f / float(lanes::count * lanes::one)));
@@ -128,12 +139,8 @@ class Deposit {
         _mm_store_ps(&s.r, _mm_add_ps(before, _mm_mul_ps(taken, rgb_)));
         return closes;
     }
-
-  private:
-    __m128i left_of(__m128i t, __m128i part) const {
-        const __m128i loss = _mm_adds_epu16(_mm_mulhi_epu16(t, relative_), absolute_);
-        return _mm_subs_epu16(t, product(loss, part));
-    }
+    __m128i loss_of(__m128i t) const { return _mm_adds_epu16(_mm_mulhi_epu16(t, relative_), absolute_); }
+    __m128i left_of(__m128i t, __m128i part) const { return _mm_subs_epu16(t, product(loss_of(t), part)); }
     __m128i relative_, absolute_;
     __m128 rgb_;
 };

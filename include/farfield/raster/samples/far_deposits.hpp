@@ -30,11 +30,12 @@ class FarDeposits {
         const Loss loss = loss_of_opacity(opacity, law_of_opacity(opacity));
         const glm::vec3 rgb = glm::vec3(float(premultiplied.r), float(premultiplied.g), float(premultiplied.b)) *
                               (1.0f / float(premultiplied.a));
+        const FarSamples::Deposit deposit(loss, rgb);
         for_triangles_of(face, projection_, [&](const SnappedTriangle& t, const DepthPlane& plane) {
             scan_convert(t, projection_, [&](int y, int begin, int end) {
                 const float row = plane.row(y);
                 buffers_.deposit_row(
-                    y, begin, end, [&](int x) { return plane.at(row, x); }, loss, rgb);
+                    y, begin, end, [&](int x) { return plane.at(row, x); }, deposit);
             });
         });
     }

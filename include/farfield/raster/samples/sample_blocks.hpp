@@ -10,6 +10,7 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -116,6 +117,17 @@ class SampleBlocks {
         if (++b.fills >= 8) refresh(at);
     }
 
+    struct Sample {
+        float depth;
+        Rgba8 color;
+    };
+    Sample sample(int x, int y) const {
+        const std::size_t at = index(x >> log2_side, y >> log2_side);
+        const Block& b = blocks_[at];
+        if (b.frame != frame_) return {nothing, background_};
+        if (b.is_surface) return {b.plane.at(b.plane.row(y + first_y_), x + first_x_), b.color};
+        return {samples_[at].depth[within(x, y)], samples_[at].color[within(x, y)]};
+    }
     float depth(int x, int y) const {
         const std::size_t at = index(x >> log2_side, y >> log2_side);
         const Block& b = blocks_[at];
@@ -145,13 +157,33 @@ class SampleBlocks {
         }
     }
 
-    /// depths(y)[x] is a depth: what FarSamples wants.
-    struct DepthsOfRow {
-        const SampleBlocks& blocks;
-        int y;
-        float operator[](int x) const { return blocks.depth(x, y); }
-    };
-    DepthsOfRow operator()(int y) const { return {*this, y}; }
+    /// Which of 64 samples of a row, from `first` on, are farther than q(x), which does not both rise and fall within
+    /// eight samples. Only those `wanted` are looked at, which lie in the picture.
+    template <class Depth>
+    std::uint64_t farther(int y, int first, std::uint64_t wanted, const Depth& q) const {
+        static_assert(side == 8);
+        const std::size_t at = index(first >> log2_side, y >> log2_side);
+        std::uint64_t farther = wanted;
+        for (std::uint64_t left = wanted; left != 0;) {
+            const int i = std::countr_zero(left) & -side;
+            const std::uint64_t all = std::uint64_t(255) << i;
+            left &= ~all;
+            const std::size_t block = at + std::size_t(i >> log2_side);
+            if (blocks_[block].frame != frame_) continue;
+            const int x = first + i;
+            const auto [least, most] = std::minmax({q(x), q(x + side - 1)});
+            if (least > blocks_[block].nearest) continue;
+            if (most <= farthest_[block]) {
+                farther &= ~all;
+                continue;
+            }
+            for (int k = 0; k < side; ++k) {
+                const std::uint64_t bit = std::uint64_t(1) << (i + k);
+                if ((wanted & bit) != 0 && q(x + k) <= depth(x + k, y)) farther &= ~bit;
+            }
+        }
+        return farther;
+    }
 
   private:
     typedef float Floats __attribute__((vector_size(16)));

@@ -4,7 +4,12 @@
 
 #include "farfield/settings.hpp"
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -22,6 +27,7 @@
 #include "farfield/raster/samples/box_mean.hpp"
 #include "farfield/raster/samples/depth_tiles.hpp"
 #include "farfield/raster/samples/sample_blocks.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield::detail {
 
@@ -55,9 +61,9 @@ class SampleBuffers {
 
     /// See FarSamples::deposit_row.
     template <class Depth>
-    void deposit_row(int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
+    void deposit_row(int y, int begin, int end, Depth&& q, const FarSamples::Deposit& deposit) {
         far_.deposit_row(
-            blocks_, y - first_y_, begin - first_x_, end - first_x_, [&](int x) { return q(x + first_x_); }, loss, rgb);
+            blocks_, y - first_y_, begin - first_x_, end - first_x_, [&](int x) { return q(x + first_x_); }, deposit);
     }
     /// See FarSamples::deposit_square.
     void deposit_square(float left, float top, float right, float bottom, float q, Loss loss, glm::vec3 rgb) {
@@ -129,7 +135,7 @@ class SampleBuffers {
         drawn_in_image_ = drawn;
         if (side_ == 1) {
             for (int y = drawn.y0; y < drawn.y1; ++y) blocks_.colors(y, drawn.x0, drawn.x1, &image.at(drawn.x0, y));
-            far_.for_touched([&](int x, int y) { image.at(x, y) = pixel(x, y); });
+            far_.for_touched([&](int x, int y) { image.at(x, y) = rounded(color_at(x, y)); });
         } else if (far_.has_begun()) {
             for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel(x, y); });
         } else if (side_ == SampleBlocks::side) {
@@ -150,6 +156,9 @@ class SampleBuffers {
     }
 
   private:
+    typedef float Floats __attribute__((vector_size(16)));
+    typedef std::uint8_t Bytes __attribute__((vector_size(4)));
+
     struct Kind {
         BufferSize size;
         int samples_a_side;
@@ -190,21 +199,33 @@ class SampleBuffers {
     }
 
     Rgba8 pixel(int px, int py) const {
-        glm::vec4 sum(0);
+        Floats sum{};
         for (int y = py * side_; y < (py + 1) * side_; ++y) {
-            for (int x = px * side_; x < (px + 1) * side_; ++x) {
-                const Rgba8 c = blocks_.color(x, y);
-                const glm::vec4 behind(float(c.r), float(c.g), float(c.b), float(c.a));
-                if (const FarSamples::Sample* s = far_.over(blocks_.depth(x, y), x, y)) {
-                    sum += glm::vec4(s->r, s->g, s->b, 1 - s->transmittance) * 255.0f + behind * s->transmittance;
-                } else {
-                    sum += behind;
-                }
-            }
+            for (int x = px * side_; x < (px + 1) * side_; ++x) sum += color_at(x, y);
         }
-        sum *= 1.0f / float(side_ * side_);
-        const auto byte = [](float v) { return std::uint8_t(std::min(v + 0.5f, 255.0f)); };
-        return {byte(sum.x), byte(sum.y), byte(sum.z), byte(sum.w)};
+        return rounded(sum * (1.0f / float(side_ * side_)));
+    }
+
+    /// What a sample shows, in 255ths.
+    FARFIELD_INLINE Floats color_at(int x, int y) const {
+        const auto [depth, behind] = blocks_.sample(x, y);
+        const Floats color = __builtin_convertvector(std::bit_cast<Bytes>(behind), Floats);
+        const FarSamples::Sample* s = far_.over(depth, x, y);
+        if (s == nullptr) return color;
+        Floats far = std::bit_cast<Floats>(*s);
+        const Floats transmittance = Floats{} + far[3];
+        far[3] = 1 - far[3];
+        return far * 255.0f + color * transmittance;
+    }
+    static Rgba8 rounded(Floats v) {
+        v += 0.5f;
+#if defined(__SSE2__)
+        const __m128i words = _mm_cvttps_epi32(_mm_min_ps(_mm_set1_ps(255), v)), pairs = _mm_packs_epi32(words, words);
+        return std::bit_cast<Rgba8>(_mm_cvtsi128_si32(_mm_packus_epi16(pairs, pairs)));
+#else
+        const auto byte = [](float c) { return std::uint8_t(std::min(c, 255.0f)); };
+        return {byte(v[0]), byte(v[1]), byte(v[2]), byte(v[3])};
+#endif
     }
 
     void resize(int width, int height, int samples_a_side, Rgba8 background) {

@@ -48,8 +48,8 @@ class SlicedBuffers {
         for (const Slice& s : slices_) s.buffers->begin_far();
     }
     template <class Depth>
-    void deposit_row(int y, int begin, int end, Depth&& q, Loss loss, glm::vec3 rgb) {
-        if (begin < end) at(q(begin + (end - begin) / 2)).deposit_row(y, begin, end, q, loss, rgb);
+    void deposit_row(int y, int begin, int end, Depth&& q, const FarSamples::Deposit& deposit) {
+        if (begin < end) at(q(begin + (end - begin) / 2)).deposit_row(y, begin, end, q, deposit);
     }
     void deposit_square(float left, float top, float right, float bottom, float q, Loss loss, glm::vec3 rgb) {
         at(q).deposit_square(left, top, right, bottom, q, loss, rgb);
