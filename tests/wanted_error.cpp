@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "farfield/approximation/area_splat.hpp"
 #include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/build.hpp"
@@ -21,6 +23,8 @@ namespace {
 
 using ExactOctree = SpatialHierarchy<Octree, Exact, TriangleCount>;
 using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
+using Clusters = SpatialHierarchy<Octree, ColorCubeCluster<4>, TriangleCount>;
+using Splats = SpatialHierarchy<Octree, AreaSplat, TriangleCount>;
 using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
 
 template <class H>
@@ -64,6 +68,15 @@ TEST_CASE("stand-ins are expected to err more the larger they are and the more t
     }
 }
 
+TEST_CASE("area splats are expected to err as cubes do, clusters less") {
+    for (const float covered : {0.05f, 0.3f, 0.8f}) {
+        for (const float side : {0.5f, 1.0f, 4.0f}) {
+            CHECK(ColorCubeCluster<4>().expected_rmse(side, covered) < ColorCube().expected_rmse(side, covered));
+            CHECK(AreaSplat().expected_rmse(side, covered) == ColorCube().expected_rmse(side, covered));
+        }
+    }
+}
+
 TEST_CASE("the part of a cell that is covered is known from any direction") {
     // A plate across a cell, seen squarely and on edge; both approximations are asked in the same words.
     Triangles plate = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 24, 24, {200, 80, 40, 255});
@@ -72,16 +85,22 @@ TEST_CASE("the part of a cell that is covered is known from any direction") {
         const H h = build<H>(plate);
         REQUIRE(h.root_stand_in() != nullptr);
         const LocalView view(looking(eye), h.origin(), h.bounds());
-        return approximation.covered_part(*h.root_stand_in(), h.root_cell(), view);
+        return detail::covered_part(approximation, *h.root_stand_in(), h.pool(), h.root_cell(), view);
     };
     const float square = covered(OpacityTensor{}, {0.01, 0, 40}), cube_square = covered(ColorCube{}, {0.01, 0, 40});
     CHECK((square > 0.2f && square <= 1));
     CHECK(cube_square == Approx(square).epsilon(0.3));
+    // Areas of a splat are half of what they are squarely, whatever the direction.
+    CHECK(covered(AreaSplat{}, {0.01, 0, 40}) == Approx(0.5 * square).epsilon(0.3));
+    CHECK(covered(AreaSplat{.size = AreaSplat::Size::of_cell}, {0.01, 0, 40}) == 1);
+    const float cluster_square = covered(ColorCubeCluster<4>{}, {0.01, 0, 40});
+    CHECK(cluster_square == Approx(square).epsilon(0.5));
+    CHECK(covered(ColorCubeCluster<4>{}, {40, 0, 0.01}) < 0.5f * cluster_square);
     CHECK(covered(OpacityTensor{}, {40, 0, 0.01}) < 0.1f * square);
     CHECK(covered(ColorCube{}, {40, 0, 0.01}) < 0.2f * square);
 }
 
-TEMPLATE_TEST_CASE("the less error is wanted, the less stands in", "", Cubes, Tensors) {
+TEMPLATE_TEST_CASE("the less error is wanted, the less stands in", "", Cubes, Clusters, Splats, Tensors) {
     const Triangles triangles = random_triangles(20000, 720, 0.01f);
     const auto h = build<TestType>(triangles);
     const View view = looking({6, 2, 4}, {}, 128, 16);

@@ -16,7 +16,9 @@
 #include <string>
 #include <vector>
 
+#include "farfield/approximation/area_splat.hpp"
 #include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/build.hpp"
@@ -117,12 +119,14 @@ class CellPictures {
             finest_.end_frame();
             renderer_.begin_frame(local);
             renderer_.set_view(local);
-            approximation.draw_stand_in(data, cell, local, Sink{renderer_, renderer_.largest_splat_px()});
+            detail::draw_stand_in(approximation, data, hierarchy_.pool(), cell, local,
+                                  Sink{renderer_, renderer_.largest_splat_px()});
             renderer_.end_frame();
             squares += detail::object_error(renderer_.image(), finest_.image()).sum;
             const double px = side_px / side;
             pixels += double(outline_of(cell.half, glm::vec3(w))) * px * px;
-            expected = approximation.expected_rmse(float(side_px), approximation.covered_part(data, cell, local));
+            expected = approximation.expected_rmse(
+                float(side_px), detail::covered_part(approximation, data, hierarchy_.pool(), cell, local));
         }
         return {std::sqrt(squares / pixels), double(expected)};
     }
@@ -244,6 +248,8 @@ int run() {
         "|\n|---|---|---|---|---|---|\n");
     print_errors<OpacityTensor>("tensor", all);
     print_errors<ColorCube>("cube", all);
+    print_errors<ColorCubeCluster<4>>("cluster", all);
+    print_errors<AreaSplat>("area splat", all);
     std::printf(
         "\n| scene | stands in | 1.75 radii: times as fast as exact (RMSE; exact's) | 3.5 | 7 | 14 | 28 |\n"
         "|---|---|---|---|---|---|---|\n");

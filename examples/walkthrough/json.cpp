@@ -22,22 +22,32 @@ Json json_of(const std::optional<CoverageCells>& c) {
             {"cells_a_pixel", {{"tiling", c->tiling}, {"asking", c->asking}}}};
 }
 
-Json json_of(const std::optional<farfield::ErrorTable>& table) {
-    if (!table) return nullptr;
+Json json_of(const farfield::ErrorTable& table) {
     Json trials = Json::array();
-    for (const farfield::ToleranceTrial& t : table->trials()) {
+    for (const farfield::ToleranceTrial& t : table.trials()) {
         trials.push_back({{"tolerance_px", t.tolerance_px}, {"rmse", t.rmse}, {"cost", t.cost}});
     }
     return trials;
+}
+
+Json json_of(const std::optional<PlainTime>& plain) {
+    if (!plain) return nullptr;
+    return {{"ms", plain->ms},
+            {"exact_ms", plain->exact_ms},
+            {"triangles", plain->triangles},
+            {"drawn_triangles", plain->drawn_triangles}};
 }
 
 Json json_of(const Result& r, const Options& options) {
     const Errors& e = r.errors;
     return {{"name", r.name},
             {"renderer", name_of(r.renderer)},
-            {"tolerance_px", r.choice ? r.choice->trial.tolerance_px : options.tolerance_px},
+            {"tolerance_px", r.choice ? r.choice->tolerance.trial.tolerance_px : options.tolerance_px},
+            {"asks_wanted", r.choice && r.choice->asks_wanted},
             {"budget_ms", options.budget_ms ? Json(*options.budget_ms) : Json(nullptr)},
-            {"error_table", json_of(r.table)},
+            {"error_table", r.measured ? json_of(r.measured->by_tolerance) : Json(nullptr)},
+            {"wanted_error_table", r.measured ? json_of(r.measured->wanted) : Json(nullptr)},
+            {"plain_loop", json_of(r.plain)},
             {"build_seconds", r.build.seconds},
             {"hierarchy_bytes", r.build.bytes},
             {"cells", r.build.cells},

@@ -29,6 +29,29 @@ struct CoverageCells {
     double asking = 0;       ///< for questions whether a box is hidden
 };
 
+/// What a frame may be asked for: a tolerance, and whether stand-ins keep to what is expected to err no more than point
+/// sampling (View::wanted).
+struct Choice {
+    farfield::ToleranceChoice tolerance;
+    bool asks_wanted = false;
+};
+
+/// Over the frames that are compared.
+struct MeasuredErrors {
+    farfield::ErrorTable by_tolerance;  ///< by the tolerance alone
+    farfield::ErrorTable wanted;        ///< and by what is expected of each cell
+    double exact_ms = 0;                ///< mean of exact's frames
+
+    /// Of the two the one that costs less.
+    Choice choice_for(farfield::WantedError error) const;
+};
+
+/// A plain loop over all triangles, over the frames that are compared.
+struct PlainTime {
+    double ms = 0, exact_ms = 0;  ///< means
+    std::uint64_t triangles = 0, drawn_triangles = 0;
+};
+
 struct Result {
     std::string name;
     farfield::scenes::RendererKind renderer{};
@@ -37,10 +60,9 @@ struct Result {
     /// Of exact and of the variant, of the same frames: all, each pair in turn, or where exact is slow only those that
     /// are compared.
     std::vector<double> exact_ms, paired_ms;
-    /// Over the frames that are compared; none where no tolerance was chosen.
-    std::optional<farfield::ErrorTable> table;
-    std::optional<farfield::ToleranceChoice> choice;  ///< from the table
-    double exact_compared_ms = 0;                     ///< mean of the table's exact frames
+    std::optional<MeasuredErrors> measured;  ///< none where no tolerance was chosen
+    std::optional<Choice> choice;            ///< from what was measured
+    std::optional<PlainTime> plain;          ///< of the first result alone, which is exact's
     Drawn drawn;
     std::optional<CoverageCells> coverage;  ///< none of other renderers
     Errors errors;

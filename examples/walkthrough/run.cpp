@@ -11,6 +11,7 @@
 #include "farfield/measure/image_error.hpp"
 #include "farfield/measure/projected_rect.hpp"
 #include "farfield/tuning/error_table.hpp"
+#include "plain_loop.hpp"
 #include "report/picture.hpp"
 #include "report/progress.hpp"
 #include "variants.hpp"
@@ -78,20 +79,29 @@ class Run {
         }
     }
 
-    View view_of(int frame, float tolerance_px, farfield::DistanceMeasure distance = {}) const {
+    /// What a variant is drawn by.
+    struct Asked {
+        float tolerance_px = 0;
+        farfield::DistanceMeasure distance{};
+        bool asks_wanted = false;
+    };
+    View view_of(int frame, const Asked& asked) const {
         return {.camera = flight_.cameras[std::size_t(frame)],
                 .width = options_.width,
                 .height = options_.height,
-                .tolerance_px = tolerance_px,
-                .distance = distance};
+                .tolerance_px = asked.tolerance_px,
+                .distance = asked.distance,
+                .wanted = asked.asks_wanted ? farfield::WantedError{.samples = options_.samples}
+                                            : farfield::WantedError::any()};
     }
+    View exact_view_of(int frame) const { return view_of(frame, {}); }
 
     void make_references() {
         // Its viewer goes before the next comes: each holds a copy of all triangles.
         const auto viewer = exact_->viewer(renderer(RendererKind::z_buffer, 64));
         progress_.begin("drawing references", int(flight_.quality_frames.size()));
         for (const int frame : flight_.quality_frames) {
-            const View view = view_of(frame, 0);
+            const View view = exact_view_of(frame);
             viewer->frame(view);
             const Image& image = viewer->image();
             Reference reference{frame, image, report::over_background(image, setting_.background), std::nullopt};
@@ -110,17 +120,18 @@ class Run {
         std::unique_ptr<BuiltScene> built = variant.build(setting_.scene);
         std::unique_ptr<SceneViewer> own = viewer_of(*built, variant);
         result.build = built->facts();
-        float tolerance_px = options_.tolerance_px;
+        Asked asked{options_.tolerance_px, variant.distance};
         if (options_.error) {
             choose(*own, variant, result);
-            tolerance_px = result.choice->trial.tolerance_px;
+            asked.tolerance_px = result.choice->tolerance.trial.tolerance_px;
+            asked.asks_wanted = result.choice->asks_wanted;
         }
-        const bool draws_exact = result.choice && result.choice->is_exact();
+        const bool draws_exact = result.choice && result.choice->tolerance.is_exact();
         if (draws_exact) own.reset();  // it holds a copy of all triangles
         SceneViewer& viewer = draws_exact ? *exact_viewer_ : *own;
         result.renderer = draws_exact ? exact_renderer_ : options_.renderer;
         std::optional<farfield::FrameBudget> budget;
-        if (options_.budget_ms) budget = budget_of(viewer, variant, tolerance_px);
+        if (options_.budget_ms) budget = budget_of(viewer, variant, asked);
         progress_.begin("drawing " + result.name, options_.frames);
         auto compared = references_.begin();
         for (int frame = 0; frame < options_.frames; ++frame) {
@@ -128,8 +139,8 @@ class Run {
             progress_.step();
             if (exact_is_slow_ && draws_exact && !is_compared) continue;
             FrameStats stats;
-            if (!exact_is_slow_) result.exact_ms.push_back(timed(*exact_viewer_, view_of(frame, 0), stats));
-            result.frame_ms.push_back(timed(viewer, view_of(frame, tolerance_px, variant.distance), stats, budget));
+            if (!exact_is_slow_) result.exact_ms.push_back(timed(*exact_viewer_, exact_view_of(frame), stats));
+            result.frame_ms.push_back(timed(viewer, view_of(frame, asked), stats, budget));
             if (!exact_is_slow_ || is_compared) result.paired_ms.push_back(result.frame_ms.back());
             if (exact_is_slow_ && is_compared)
                 result.exact_ms.push_back(exact_frames_[std::size_t(compared - references_.begin())].ms);
@@ -139,15 +150,15 @@ class Run {
         }
         scale(result);
         if (!draws_exact && options_.out_directory && result.drawn.approximations > 0) {
-            draw_cut(viewer, variant, tolerance_px);
+            draw_cut(viewer, variant, asked);
         }
-        if (result.drawn.images > 0 && options_.out_directory) draw_from_outside(*built, variant, tolerance_px);
+        if (result.drawn.images > 0 && options_.out_directory) draw_from_outside(*built, variant, asked);
         if (result.coverage && options_.out_directory) {
             own.reset();  // it holds a copy of all triangles
             if (draws_exact) {
-                draw_work(*exact_, exact_renderer_, variant, tolerance_px);
+                draw_work(*exact_, exact_renderer_, variant, asked);
             } else {
-                draw_work(*built, options_.renderer, variant, tolerance_px);
+                draw_work(*built, options_.renderer, variant, asked);
             }
         }
         return result;
@@ -170,7 +181,7 @@ class Run {
                 continue;
             }
             FrameStats stats;
-            result.frame_ms.push_back(timed(*exact_viewer_, view_of(frame, 0), stats));
+            result.frame_ms.push_back(timed(*exact_viewer_, exact_view_of(frame), stats));
             add(stats, result.drawn);
             add(exact_viewer_->work(), result);
             if (!is_compared) continue;
@@ -181,29 +192,30 @@ class Run {
         }
         result.exact_ms = result.paired_ms = result.frame_ms;
         scale(result);
-        if (result.coverage && options_.out_directory) draw_work(*exact_, exact_renderer_, exact, 0);
+        if (result.coverage && options_.out_directory) draw_work(*exact_, exact_renderer_, exact, {});
+        result.plain = time_of_plain_loop();
         return result;
     }
 
     /// Frames that are compared, at any tolerance; exact at 0.
     class Trials {
       public:
-        Trials(Run& run, SceneViewer& far, const Variant& variant)
-            : run_(run), far_(far), variant_(variant), exact_ms_(run.references_.size(), 0) {}
+        Trials(Run& run, SceneViewer& far, const Variant& variant, bool asks_wanted)
+            : run_(run), far_(far), asked_{0, variant.distance, asks_wanted}, exact_ms_(run.references_.size(), 0) {}
 
         double draw(std::size_t i, float tolerance_px) {
-            is_exact_ = tolerance_px == 0;
+            asked_.tolerance_px = tolerance_px;
             const int frame = run_.references_[i].frame;
             FrameStats stats;
-            if (!is_exact_) return timed(far_, run_.view_of(frame, tolerance_px, variant_.distance), stats);
+            if (!is_exact()) return timed(far_, run_.view_of(frame, asked_), stats);
             double ms = run_.exact_frames_[i].ms;
-            if (!run_.exact_is_slow_) ms = timed(*run_.exact_viewer_, run_.view_of(frame, 0), stats);
+            if (!run_.exact_is_slow_) ms = timed(*run_.exact_viewer_, run_.exact_view_of(frame), stats);
             exact_ms_[i] = exact_ms_[i] > 0 ? std::min(exact_ms_[i], ms) : ms;
             return ms;
         }
         farfield::SquaredError error(std::size_t i) {
             run_.progress_.step();
-            if (is_exact_) return {run_.exact_frames_[i].mse, 1};
+            if (is_exact()) return {run_.exact_frames_[i].mse, 1};
             const Reference& reference = run_.references_[i];
             const Image picture = report::over_background(far_.image(), run_.setting_.background);
             return {mse(picture, reference.over_background, reference.rect), 1};
@@ -212,32 +224,60 @@ class Run {
         double exact_ms() const { return mean(exact_ms_); }
 
       private:
+        bool is_exact() const { return asked_.tolerance_px == 0; }
+
         Run& run_;
         SceneViewer& far_;
-        const Variant& variant_;
+        Asked asked_;
         std::vector<double> exact_ms_;
-        bool is_exact_ = false;
     };
 
     void choose(SceneViewer& viewer, const Variant& variant, Result& result) {
         // Coarser ones are blocks that an eye tells apart, though a mean of squares forgives them.
         const farfield::ErrorTableOptions ladder{.tolerances_px = farfield::tolerance_ladder(0.5f, 4), .seconds = 0.1};
         progress_.begin("choosing the tolerance of " + result.name,
-                        int(references_.size() * (ladder.tolerances_px.size() + 1)));
-        Trials trials(*this, viewer, variant);
-        result.table = farfield::measure_error_table(trials, references_.size(), ladder);
-        result.choice = result.table->tolerance_for(*options_.error);
-        result.exact_compared_ms = trials.exact_ms();
+                        2 * int(references_.size() * (ladder.tolerances_px.size() + 1)));
+        Trials alone(*this, viewer, variant, false), wanted(*this, viewer, variant, true);
+        const auto measured = [&](Trials& trials) {
+            return farfield::measure_error_table(trials, references_.size(), ladder);
+        };
+        result.measured = MeasuredErrors{measured(alone), measured(wanted)};
+        result.measured->exact_ms = std::min(alone.exact_ms(), wanted.exact_ms());
+        result.choice = result.measured->choice_for(*options_.error);
+    }
+
+    /// As often as exact is, of frames that are not slow. None for so many samples.
+    std::optional<PlainTime> time_of_plain_loop() {
+        if (!PlainLoop::draws(options_.samples) || !options_.error) return std::nullopt;
+        PlainLoop loop(setting_.scene, options_.samples);
+        progress_.begin("drawing all triangles in a plain loop", int(references_.size()));
+        PlainTime time{.triangles = loop.triangles(), .drawn_triangles = loop.drawn_triangles()};
+        for (std::size_t i = 0; i < references_.size(); ++i) {
+            const auto least_of = [](auto&& frame) {
+                double least = frame();
+                for (double spent = least; spent < 100; spent += least) least = std::min(least, frame());
+                return least;
+            };
+            const int frame = references_[i].frame;
+            FrameStats stats;
+            time.ms += least_of([&] { return loop.ms(exact_view_of(frame)); });
+            time.exact_ms += exact_is_slow_
+                                 ? exact_frames_[i].ms
+                                 : least_of([&] { return timed(*exact_viewer_, exact_view_of(frame), stats); });
+            progress_.step();
+        }
+        time.ms /= double(references_.size());
+        time.exact_ms /= double(references_.size());
+        return time;
     }
 
     /// What frames cost is measured on twelve of the flight, before it begins.
-    farfield::FrameBudget budget_of(SceneViewer& viewer, const Variant& variant, float tolerance_px) {
+    farfield::FrameBudget budget_of(SceneViewer& viewer, const Variant& variant, const Asked& asked) {
         progress_.begin("measuring what frames of " + std::string(variant.name) + " cost");
         std::vector<View> views;
         const int count = std::min(options_.frames, 12);
         for (int i = 0; i < count; ++i) {
-            views.push_back(view_of(int((2 * std::int64_t(i) + 1) * options_.frames / (2 * count)), tolerance_px,
-                                    variant.distance));
+            views.push_back(view_of(int((2 * std::int64_t(i) + 1) * options_.frames / (2 * count)), asked));
         }
         const farfield::FramePriceOptions prices{.longest = 2e6 * *options_.budget_ms};
         return {.prices = farfield::fitted_frame_prices(viewer.measured(views, prices), prices),
@@ -290,11 +330,11 @@ class Run {
 
     /// "Work images" (Greene 1996, figure 3) of the frames that are compared: by tiling polygons, by asking about
     /// cells, and their sum. Not while time is taken.
-    void draw_work(const BuiltScene& built, RendererKind by, const Variant& variant, float tolerance_px) {
+    void draw_work(const BuiltScene& built, RendererKind by, const Variant& variant, const Asked& asked) {
         const auto viewer = built.viewer(renderer(by, options_.samples, true));
         progress_.begin("drawing the work on " + std::string(variant.name), int(flight_.quality_frames.size()));
         for (const int frame : flight_.quality_frames) {
-            viewer->frame(view_of(frame, tolerance_px, variant.distance));
+            viewer->frame(view_of(frame, asked));
             const farfield::CoverageWorkImage& work = *viewer->work_map();
             std::vector<float> sum = work.tiled();
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += work.asked()[i];
@@ -312,11 +352,11 @@ class Run {
 
     /// Which cells are drawn by stand-ins, and which as geometry, in the frames that are compared: alone, and beside
     /// exact and the variant.
-    void draw_cut(SceneViewer& viewer, const Variant& variant, float tolerance_px) {
+    void draw_cut(SceneViewer& viewer, const Variant& variant, const Asked& asked) {
         progress_.begin("drawing the cut of " + std::string(variant.name), int(flight_.quality_frames.size()));
         for (const ExactFrame& exact : exact_frames_) {
             const int frame = references_[std::size_t(&exact - exact_frames_.data())].frame;
-            const View view = view_of(frame, tolerance_px, variant.distance);
+            const View view = view_of(frame, asked);
             const Image cut = report::over_background(viewer.how_drawn(view), setting_.background);
             report::write_png(cut, file(std::string(variant.name), frame, "_how_drawn"));
             viewer.frame(view);
@@ -329,7 +369,7 @@ class Run {
 
     /// Frames that are compared as one sees them from outside, with the images that cells are drawn by. They are what
     /// the frames before leave, so some of those are drawn, too.
-    void draw_from_outside(const BuiltScene& built, const Variant& variant, float tolerance_px) {
+    void draw_from_outside(const BuiltScene& built, const Variant& variant, const Asked& asked) {
         constexpr int frames_before = 12;
         RendererChoice choice = renderer(options_.renderer, options_.samples);
         choice.looks_on = true;
@@ -337,7 +377,7 @@ class Run {
         progress_.begin("drawing " + std::string(variant.name) + " from outside", int(flight_.quality_frames.size()));
         for (const int frame : flight_.quality_frames) {
             for (int f = std::max(0, frame - frames_before); f <= frame; ++f) {
-                viewer->frame(view_of(f, tolerance_px, variant.distance));
+                viewer->frame(view_of(f, asked));
             }
             if (const Image* image = viewer->from_outside()) {
                 report::write_png(report::over_background(*image, {}),

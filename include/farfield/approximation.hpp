@@ -158,15 +158,21 @@ concept BoundsError = requires(const A& a, const Cell& cell, unsigned levels, co
     { a.least_error_px(cell, levels, view) } -> std::convertible_to<float>;
 };
 
-/// covered_part() says which part of the cell's outline its contents cover, seen from the view; expected_rmse() what
-/// the picture errs by over the pixels of a cell so wide, of which so much is covered, if it stands in
-/// (wanted_error.hpp).
+/// covered_part(), which takes the pool where there is one and it is needed, says which part of the cell's outline its
+/// contents cover, seen from the view; expected_rmse() what the picture errs by over the pixels of a cell so wide, of
+/// which so much is covered, if it stands in (wanted_error.hpp).
 template <class A>
-concept ExpectsError = requires(const A& a, const typename A::stand_in_data& data, const Cell& cell,
-                                const LocalView& view) {
-    { a.covered_part(data, cell, view) } -> std::same_as<float>;
+concept ExpectsError = requires(const A& a) {
     { a.expected_rmse(1.0f, 1.0f) } -> std::same_as<float>;
-};
+}
+&&(
+    requires(const A& a, const typename A::stand_in_data& data, const Cell& cell, const LocalView& view) {
+        { a.covered_part(data, cell, view) } -> std::same_as<float>;
+    } ||
+    requires(const A& a, const typename A::stand_in_data& data, std::span<const pool_element_of<A>> pool,
+             const Cell& cell, const LocalView& view) {
+        { a.covered_part(data, pool, cell, view) } -> std::same_as<float>;
+    });
 
 /// reproduces() says whether a cell's stand-in, drawn in place of its children's, gives their picture. It is asked of
 /// cells all of whose children have stand-ins; where it holds these are not kept. The cell's error is halved with its
@@ -312,6 +318,15 @@ void draw_stand_in(const A& a, const Data& data, std::span<const Pool> pool, con
         a.draw_stand_in(data, pool, cell, view, sink);
     } else {
         a.draw_stand_in(data, cell, view, sink);
+    }
+}
+
+template <class A, class Data, class Pool>
+float covered_part(const A& a, const Data& data, std::span<const Pool> pool, const Cell& cell, const LocalView& view) {
+    if constexpr (requires { a.covered_part(data, pool, cell, view); }) {
+        return a.covered_part(data, pool, cell, view);
+    } else {
+        return a.covered_part(data, cell, view);
     }
 }
 

@@ -40,9 +40,10 @@ TEMPLATE_TEST_CASE("a walk over subtrees meets every node, position and stand-in
     for (const std::size_t count : {0u, 1u, 10u, 2000u}) {
         const TestType h = build<TestType>(mixed_triangles(count, 700));
         std::vector<int> nodes(h.nodes().size());
-        std::size_t stand_ins = 0, wrong_ends = 0, wrong_cells = 0;
+        std::size_t stand_ins = 0, wrong_ends = 0, wrong_cells = 0, met = 0;
         const std::function<void(const Subtree&)> visit = [&](const Subtree& s) {
             ++nodes[s.node];
+            const std::size_t met_before = ++met;
             stand_ins += s.has_stand_in();
             std::uint32_t at = s.end_item;
             const auto children = children_of<VisitOrder::any>(h, s);
@@ -56,6 +57,7 @@ TEMPLATE_TEST_CASE("a walk over subtrees meets every node, position and stand-in
                 visit(child);
             }
             wrong_ends += at != s.end_item;
+            if (!children.empty()) wrong_ends += met - met_before != s.end_node - h.nodes()[s.node].first_child;
         };
         const Subtree whole = whole_of(h);
         CHECK(whole.node == 0);

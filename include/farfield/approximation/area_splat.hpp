@@ -51,6 +51,7 @@ struct AreaSplat {
                                               .stands_in = true,
                                               .merges_octants = true,
                                               .bounds_error = true,
+                                              .expects_error = true,
                                               .file_tag = 0x41530001u};
 
     const char* wrong_option() const {
@@ -146,6 +147,17 @@ struct AreaSplat {
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
         return least_projected_side(cell, levels, view);
     }
+
+    /// What is drawn is opaque, so that is what covers.
+    float covered_part(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+        if (size == Size::of_cell) return 1;
+        const float side = cell.largest_side(), unit = length_unit(cell), part = side * (1 / unit);
+        const float outline = outline_of(cell.half / unit, direction_of(view.towards_viewer(center_in(data, cell))));
+        const float area = filled_part(data) * part * part;
+        return outline > area ? area / outline : 1.0f;
+    }
+    /// As one face of a cube, of one color and in one place.
+    float expected_rmse(float side_px, float covered) const { return cube_rmse(side_px, covered); }
 
     /// One splat, or the faces that are seen where the renderer has none.
     template <class Sink>

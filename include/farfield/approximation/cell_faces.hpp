@@ -57,6 +57,12 @@ struct VisibleFaces {
     }
 };
 
+/// What cubes of faces are expected to err by (wanted_error.hpp): off its axes one covers too much, however small it
+/// is.
+inline float cube_rmse(float side_px, float covered) {
+    return 0.9f * std::sqrt(covered) * side_px / (side_px + 0.8f);
+}
+
 /// The face of a cell's box on one side.
 inline Face face_of(const Cell& cell, unsigned side, Rgba8 premultiplied) {
     Face face{cell.center - cell.half, cell.center + cell.half, premultiplied, std::uint8_t(side)};

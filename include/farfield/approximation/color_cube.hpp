@@ -134,10 +134,7 @@ struct ColorCube {
         const float unseen = 0.5f / float(samples == 0 ? 16 : samples * samples);
         return outline > covered ? std::max(covered / outline, unseen) : 1.0f;
     }
-    /// Off its axes a cube covers too much, however small it is.
-    float expected_rmse(float side_px, float covered) const {
-        return 0.9f * std::sqrt(covered) * side_px / (side_px + 0.8f);
-    }
+    float expected_rmse(float side_px, float covered) const { return cube_rmse(side_px, covered); }
 
     /// The law of the faces' mean opacity, weighted by itself: faces that see a surface on edge say nothing about it.
     std::optional<AreaLaw> area_law(const stand_in_data& data) const {

@@ -45,8 +45,12 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
         std::array<std::uint16_t, 6> count;  ///< of faces that look to -x, +x, -y, +y, -z, +z
     };
     using stand_in_draft = std::array<std::vector<pool_element>, 6>;
-    static constexpr ApproximationFacts facts{
-        .needs_polygons = true, .stands_in = true, .has_pool = true, .bounds_error = true, .file_tag = 0x43430100u + K};
+    static constexpr ApproximationFacts facts{.needs_polygons = true,
+                                              .stands_in = true,
+                                              .has_pool = true,
+                                              .bounds_error = true,
+                                              .expects_error = true,
+                                              .file_tag = 0x43430100u + K};
 
     const char* wrong_option() const {
         if (samples < 1 || samples > 8) return "ColorCubeCluster: samples must be from 1 to 8";
@@ -117,6 +121,31 @@ requires(K >= 1 && K <= 16) struct ColorCubeCluster {
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const {
         return least_projected_side(cell, levels, view) / K;
     }
+
+    /// Slabs hide one another as independent things do.
+    float covered_part(const stand_in_data& data, std::span<const pool_element> pool, const Cell& cell,
+                       const LocalView& view) const {
+        const VisibleFaces faces(cell, view);
+        constexpr float per_cube = 1.0f / float(K * K);  // of a side of the cell, however many lie beyond it
+        std::array<float, 6> opacity{};
+        std::size_t at = data.first;
+        for (unsigned side = 0; side < 6; ++side) {
+            unsigned sum = 0;
+            for (const pool_element& e : pool.subspan(at, data.count[side])) sum += e.a;
+            opacity[side] = float(sum) * per_cube * (1.0f / 255);
+            at += data.count[side];
+        }
+        float areas = 0, outline = 0;
+        for (std::size_t i = 0; i < std::size_t(faces.count); ++i) {
+            areas += faces.projected[i] * opacity[faces.side[i]];
+            outline += faces.projected[i];
+        }
+        // Contents that no sample met may take half of the room of one.
+        const float unseen = 0.5f * per_cube / float(samples * samples);
+        return outline > 0 ? std::max(areas / (outline + areas), unseen) : 1.0f;
+    }
+    /// Of a cube that is as large: the smaller cubes are made from fewer samples each, and gaps between them show.
+    float expected_rmse(float side_px, float covered) const { return 0.6f * cube_rmse(side_px, covered); }
 
     /// Whether no list leaves the pool, as it might in a file.
     bool is_sound(const stand_in_data& data, std::span<const pool_element> pool) const {
