@@ -460,10 +460,11 @@ class Bench {
     /// same choices as the viewer that is timed.
     void shading() {
         constexpr double ms_a_pixel = 1e-3;
-        // What calibrate() would find: triangles that are seen cover some pixels, small ones a few hundredths.
+        // What calibrate() would find: half of a triangle's pixels are seen, of small ones a few hundredths.
         MeasuredTime dear;
         dear.small_triangle = 20;
-        dear.near_triangle = 2000;
+        dear.hit_triangle = 1000;
+        dear.near_triangle = 16000;
         dear.splat = 800;
         const auto meter_far = player<Far, ShadingMeter>(scene_);
         const auto meter_images = player<ImageCache<Far>, ShadingMeter>(scene_, with_images<Far>(images_), 1, dear);

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <new>
 #include <span>
 #include <thread>
 #include <vector>
@@ -44,7 +45,7 @@ ImageCache<Exact> with(const ImageCacheOptions& options) {
 /// With these, whatever may be an image is one.
 MeasuredTime free_images() {
     MeasuredTime prices;
-    prices.image = prices.texel = 0;
+    prices.image = prices.texel = prices.made_image = prices.made_texel = 0;
     return prices;
 }
 
@@ -146,6 +147,32 @@ class FailingRenderer {
 
   private:
     ZBufferRenderer inner_;
+};
+
+/// As a ZBufferRenderer that is given one slice after the other, and that runs out of memory after so many images.
+class ThrowingRenderer : public ZBufferRenderer {
+  public:
+    static constexpr RendererFacts facts = [] {
+        RendererFacts f = ZBufferRenderer::facts;
+        f.slices_images = false;
+        return f;
+    }();
+    using ZBufferRenderer::ZBufferRenderer;
+    void begin_image(const LocalView& view, float depth, int samples) {
+        ZBufferRenderer::begin_image(view, depth, samples);
+    }
+    std::uint32_t end_image() {
+        if (left_to_make == 0) throw std::bad_alloc();
+        --left_to_make;
+        ++kept;
+        return ZBufferRenderer::end_image();
+    }
+    void free_image(std::uint32_t image) {
+        --kept;
+        ZBufferRenderer::free_image(image);
+    }
+
+    int left_to_make = 0, kept = 0;
 };
 
 }  // namespace
@@ -340,6 +367,28 @@ TEST_CASE("a known path makes images that serve along it", "[image_cache]") {
     CHECK(known > guessed);
 }
 
+TEST_CASE("whatever throws while an image is made, no slice of it stays", "[image_cache]") {
+    ThrowingRenderer renderer{ZBufferOptions{}};
+    {
+        const auto hierarchy = build<Cached>(
+            balls(), {.approximation = with({.slices = 4, .least_items = 64}), .cost_model = free_images()});
+        auto viewer = make_viewer(hierarchy, balls(), renderer);
+        for (const int before : {0, 1, 2, 3, 7}) {
+            viewer.forget_images();
+            REQUIRE(renderer.kept == 0);
+            renderer.left_to_make = before;
+            CHECK_THROWS_AS(viewer.frame(looking({0, 0, 0})), std::bad_alloc);
+            // Those of images that were finished.
+            CHECK(renderer.kept <= before);
+            CHECK(renderer.kept % 4 == 0);
+            renderer.left_to_make = 1'000'000;
+            CHECK(viewer.frame(looking({0, 0, 0})).images > 0);
+            CHECK(renderer.kept > 0);
+        }
+    }
+    CHECK(renderer.kept == 0);
+}
+
 TEST_CASE("where a renderer stops making images, the rest is geometry", "[image_cache]") {
     Walk<FailingRenderer> walk;
     walk.renderer.left_to_make = 3;
@@ -431,6 +480,18 @@ TEST_CASE("a bound of work bounds what a frame makes", "[image_cache]") {
         CHECK(difference(some.image(), some.exact(view)) < 1.0);
     }
     CHECK(made > 0);
+}
+
+TEST_CASE("images that are dear to make are not made, whatever drawing them costs") {
+    MeasuredTime dear = free_images();
+    for (float MeasuredTime::*price : {&MeasuredTime::made_image, &MeasuredTime::made_texel}) {
+        dear = free_images();
+        dear.*price = 1e12f;
+        Walk walk({.least_items = 64}, dear);
+        for (int i = 0; i < 3; ++i) CHECK(walk.frame(looking({0, 0, 0.01 * i})).images_made == 0);
+    }
+    Walk walk({.least_items = 64}, free_images());
+    CHECK(walk.frame(looking({0, 0, 0})).images_made > 0);
 }
 
 TEST_CASE("bounds of the motion decide how long an image lives", "[image_cache]") {

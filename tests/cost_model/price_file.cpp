@@ -53,7 +53,7 @@ TEST_CASE("prices come back from their file to the last bit") {
     prices.cell = std::nextafter(15.0f, 16.0f);
     write_prices(prices, file.path());
     const MeasuredTime back = read_prices(file.path());
-    for (const auto& [name, price] : detail::named_prices) CHECK(back.*price == prices.*price);
+    for (const auto& named : detail::named_prices) CHECK(back.*named.price == prices.*named.price);
 
     const std::string text = file.text();
     CHECK(text.find("small_triangle 0.1 nanoseconds\n") != std::string::npos);
@@ -68,6 +68,17 @@ TEST_CASE("whatever people do to the file between lines is theirs") {
     for (std::size_t at = 0; (at = windows.find('\n', at)) != std::string::npos; at += 2) windows.insert(at, "\r");
     CHECK(file.refusal(windows).empty());
     CHECK(read_prices(file.path()).image == 1000);
+}
+
+TEST_CASE("files from before images had prices of their own are read, with defaults for those") {
+    const PriceFile file;
+    CHECK(file.refusal(with_units(good)).empty());
+    CHECK(read_prices(file.path()).hit_triangle == MeasuredTime().hit_triangle);
+    CHECK(read_prices(file.path()).made_texel == MeasuredTime().made_texel);
+    CHECK(file.refusal(with_units(good + "made_image 7\nhit_triangle 20\n")).empty());
+    CHECK(read_prices(file.path()).made_image == 7);
+    CHECK(read_prices(file.path()).hit_triangle == 20);
+    CHECK_FALSE(file.refusal(with_units(good + "made_image 7\nmade_image 7\n")).empty());
 }
 
 TEST_CASE("what is no price is refused, with its line") {

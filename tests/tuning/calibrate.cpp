@@ -1,7 +1,13 @@
 #include "farfield/tuning/calibrate.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <random>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "catch.hpp"
 #include "farfield/build.hpp"
@@ -12,10 +18,10 @@ using namespace farfield;
 namespace {
 
 void check_prices(const MeasuredTime& prices) {
-    for (const auto& [name, price] : detail::named_prices) {
-        INFO(name << " " << prices.*price);
-        CHECK(prices.*price > 0);
-        CHECK(std::isfinite(prices.*price));
+    for (const auto& named : detail::named_prices) {
+        INFO(named.name << " " << prices.*named.price);
+        CHECK(prices.*named.price > 0);
+        CHECK(std::isfinite(prices.*named.price));
     }
 }
 
@@ -34,6 +40,48 @@ struct Counting {
     }
 };
 static_assert(Renderer<Counting, Triangle>);
+
+/// Keeps images, one slice at a time, and checks what is asked of it.
+struct Keeping : Counting {
+    static constexpr RendererFacts facts{.keeps_images = true};
+    std::vector<bool> lives{true};
+    std::uint64_t made = 0, shown = 0;
+    bool is_open = false, is_wrong = false;
+    using Counting::draw;
+    void begin_image(const LocalView& view, float, int samples) {
+        is_wrong = is_wrong || std::exchange(is_open, true) || view.width != view.height || samples != 1;
+    }
+    std::uint32_t end_image() {
+        is_wrong = is_wrong || !std::exchange(is_open, false);
+        ++made;
+        lives.push_back(true);
+        return std::uint32_t(lives.size() - 1);
+    }
+    void free_image(std::uint32_t image) {
+        is_wrong = is_wrong || image == 0 || !lives[image];
+        lives[image] = false;
+    }
+    std::size_t image_bytes(int, int) const { return 0; }
+    void draw(std::span<const ImageQuad> quads) {
+        for (const ImageQuad& q : quads) is_wrong = is_wrong || q.image == 0 || !lives[q.image];
+        shown += quads.size();
+    }
+};
+static_assert(Renderer<Keeping, Triangle>);
+
+/// Its images cost a loop each, and one more for every texel.
+struct Loops : Keeping {
+    volatile unsigned spent = 0;
+    int texels = 0;
+    void begin_image(const LocalView& view, float depth, int samples) {
+        texels = view.width * view.height;
+        Keeping::begin_image(view, depth, samples);
+    }
+    std::uint32_t end_image() {
+        for (int i = 0; i < 2000 + 4 * texels; ++i) spent = spent + 1;
+        return Keeping::end_image();
+    }
+};
 
 constexpr CalibrationOptions quick{.seconds = 0.05, .repetitions = 5};
 
@@ -62,6 +110,33 @@ TEST_CASE("prices of a renderer without a far field") {
     CHECK(renderer.triangles > 0);
     CHECK(prices.face == MeasuredTime().face);
     CHECK(prices.splat == MeasuredTime().splat);
+}
+
+TEST_CASE("images are priced where a renderer keeps them, and all are freed") {
+    Keeping renderer;
+    const MeasuredTime prices = calibrate(renderer, quick);
+    check_prices(prices);
+    CHECK_FALSE(renderer.is_wrong);
+    CHECK(renderer.made > 0);
+    CHECK(renderer.shown > 0);
+    CHECK(std::count(renderer.lives.begin() + 1, renderer.lives.end(), true) == 0);
+    Counting without;
+    const MeasuredTime other = calibrate(without, quick), defaults;
+    CHECK(other.image == defaults.image);
+    CHECK(other.texel == defaults.texel);
+    CHECK(other.made_image == defaults.made_image);
+    CHECK(other.made_texel == defaults.made_texel);
+}
+
+TEST_CASE("what an image takes is told from what its texels take") {
+    // Whatever else runs on the machine, one of some tries comes near.
+    bool is_near = false;
+    for (int again = 0; again < 8 && !is_near; ++again) {
+        Loops renderer;
+        const MeasuredTime p = calibrate(renderer, {.seconds = 0.4, .repetitions = 9});
+        is_near = p.made_image > 100 * p.made_texel && p.made_image < 1500 * p.made_texel;
+    }
+    CHECK(is_near);
 }
 
 TEST_CASE("what was measured builds hierarchies") {

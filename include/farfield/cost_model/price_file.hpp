@@ -26,15 +26,19 @@ namespace detail {
 struct NamedPrice {
     const char* name;
     float MeasuredTime::*price;
+    bool is_later = false;  ///< files from before there were such prices lack it
 };
-inline constexpr std::array<NamedPrice, 8> named_prices{{{"small_triangle", &MeasuredTime::small_triangle},
-                                                         {"near_triangle", &MeasuredTime::near_triangle},
-                                                         {"face", &MeasuredTime::face},
-                                                         {"splat", &MeasuredTime::splat},
-                                                         {"cell", &MeasuredTime::cell},
-                                                         {"run", &MeasuredTime::run},
-                                                         {"image", &MeasuredTime::image},
-                                                         {"texel", &MeasuredTime::texel}}};
+inline constexpr std::array<NamedPrice, 11> named_prices{{{"small_triangle", &MeasuredTime::small_triangle},
+                                                          {"hit_triangle", &MeasuredTime::hit_triangle, true},
+                                                          {"near_triangle", &MeasuredTime::near_triangle},
+                                                          {"face", &MeasuredTime::face},
+                                                          {"splat", &MeasuredTime::splat},
+                                                          {"cell", &MeasuredTime::cell},
+                                                          {"run", &MeasuredTime::run},
+                                                          {"image", &MeasuredTime::image},
+                                                          {"texel", &MeasuredTime::texel},
+                                                          {"made_image", &MeasuredTime::made_image, true},
+                                                          {"made_texel", &MeasuredTime::made_texel, true}}};
 
 [[noreturn]] inline void refuse_prices(const char* function, const std::string& where, const std::string& why) {
     detail::fail<std::runtime_error>(std::string("farfield::") + function + ": " + where + ": " + why);
@@ -55,7 +59,7 @@ inline std::string_view next_word(std::string_view& line) {
 /// be written.
 inline void write_prices(const MeasuredTime& prices, const std::filesystem::path& path) {
     std::string text = "# farfield: what each kind of work takes on the machine that calibrate() ran on\n";
-    for (const auto& [name, price] : detail::named_prices) {
+    for (const auto& [name, price, is_later] : detail::named_prices) {
         std::array<char, 32> digits;
         const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), prices.*price);
         text += name + (" " + std::string(digits.data(), end.ptr)) + " " + MeasuredTime::unit + "\n";
@@ -68,7 +72,8 @@ inline void write_prices(const MeasuredTime& prices, const std::filesystem::path
 
 /// Reads what write_prices() wrote, to the last bit. Empty lines and those that start with # do not count. Throws
 /// std::runtime_error, "farfield::read_prices: FILE:LINE: reason", for a line that is not a positive price, and if a
-/// price is missing.
+/// price is missing. Files from before images had prices of their own are read: hit_triangle, made_image and made_texel
+/// are then MeasuredTime's defaults.
 inline MeasuredTime read_prices(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) detail::refuse_prices("read_prices", path.string(), "cannot be opened");
@@ -104,7 +109,7 @@ inline MeasuredTime read_prices(const std::filesystem::path& path) {
     }
     if (file.bad()) detail::refuse_prices("read_prices", path.string(), "cannot be read");
     for (std::size_t i = 0; i < known.size(); ++i) {
-        if (known[i]) continue;
+        if (known[i] || detail::named_prices[i].is_later) continue;
         detail::refuse_prices("read_prices", path.string(),
                               std::string("the price of '") + detail::named_prices[i].name + "' is missing");
     }

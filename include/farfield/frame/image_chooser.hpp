@@ -46,16 +46,24 @@ struct ExpectedPath {
     }
 };
 
-/// The price of drawing triangles, `each_px` large in pixels: the price of small ones, or of near ones where the cost
-/// model has one.
+/// The price of drawing triangles that are each so many pixels large: that of small ones, or of large ones where the
+/// cost model has it.
 template <class C>
 float price_of(const C& costs, const Work& work, float each_px) {
-    const float small_price = costs.cost(work);
-    if constexpr (requires { costs.near_cost(work); }) {
-        // A triangle of an eighth of a pixel costs half as much more: most of those hit no sample.
-        return small_price + (costs.near_cost(work) - small_price) * (each_px / (each_px + 0.125f));
+    if constexpr (requires { costs.cost_of_large(work, each_px); }) {
+        return costs.cost_of_large(work, each_px);
     } else {
-        return small_price;
+        return costs.cost(work);
+    }
+}
+
+/// The price of making an image, without drawing what it shows: as of drawing it, or as the cost model says.
+template <class C>
+float price_of_making(const C& costs, float texels) {
+    if constexpr (requires { costs.making_cost(texels); }) {
+        return costs.making_cost(texels);
+    } else {
+        return costs.cost({.images = 1, .texels = texels});
     }
 }
 
@@ -71,7 +79,8 @@ struct WantedImage {
     ImageRect rect;
     int slices = 1;
     float contents_price = 0;  ///< of drawing what the picture shows of it, by images below that are kept
-    float making_price = 0;    ///< of drawing all of it
+    float whole_price = 0;     ///< of drawing all of it
+    float making_price = 0;    ///< of making the image, that included
     void (*draw)(Maker&, const WantedImage&, const LocalView& image_view) = nullptr;
 };
 
@@ -129,7 +138,7 @@ class ImageChooser {
             const float drawing = price_of_drawing(v, *image);
             price_ += double(drawing);
             present_price_ += double(drawing);
-            whole_price_ += double(std::max(image->making_cost, drawing));
+            whole_price_ += double(std::max(image->whole_price, drawing));
             ++images_;
             return CellDrawn::by_image;
         }
@@ -162,15 +171,17 @@ class ImageChooser {
         whole_price_ += price;
     }
 
+    /// Slices are cropped: four of a tree have twice the texels of one.
     template <class V>
-    static float price_of_drawing(const V& v, const CellImage& image) {
+    static float texels_of(const V& v, const CellImage& image) {
         const glm::vec2 size =
             glm::vec2(length_of(image.across), length_of(image.down)) * v.view.focal_px * v.view.squeeze;
+        return size.x * size.y * (1 + 0.375f * float(image.slices - 1));
+    }
+    template <class V>
+    static float price_of_drawing(const V& v, const CellImage& image) {
         return v.hierarchy.cost_policy().cost(
-            // Slices are cropped: four of a tree have twice the texels of one.
-            {.images = float(image.slices),
-             .texels = size.x * size.y * (1 + 0.375f * float(image.slices - 1)),
-             .cells = 1});
+            {.images = float(image.slices), .texels = texels_of(v, image), .cells = 1});
     }
 
     /// "amortizedCost < cost to draw contents" (UpdateNode). If so the cell is wanted, and nothing below it.
@@ -188,19 +199,22 @@ class ImageChooser {
         const std::optional<ImageRect> rect = image_rect(view, cell.bounds_center, cell.bounds_half);
         // "If the dimensions of the rectangle exceed those of the viewport, no image is cached."
         if (!rect || rect->width > view.part.whole_width || rect->height > view.part.whole_height) return false;
-        const float making_whole = whole / visible_part(view, *rect);
+        const float whole_price = whole / visible_part(view, *rect);
         float best = contents, making = 0;
         int slices = 0;
         // Slices are worth their texels only where one rectangle is soon wrong.
         for (int n = options_.slices; n > 0; n /= 2) {
             const CellImage planned = planned_image(view, cell.bounds_center, cell.bounds_half, *rect, n);
+            const float texels = texels_of(v, planned);
             const float drawing = price_of_drawing(v, planned);
             if (!(drawing < best)) continue;
             const std::uint32_t lives = 1 + frames_good(planned, view);
-            const float amortized = making_whole * making_factor(n) / float(lives) + drawing;
+            const float making_it = whole_price * making_factor(n) +
+                                    float(n) * price_of_making(v.hierarchy.cost_policy(), texels / float(n));
+            const float amortized = making_it / float(lives) + drawing;
             if (!(amortized < best)) continue;
             best = amortized;
-            making = making_whole * making_factor(n);
+            making = making_it;
             slices = n;
         }
         if (slices == 0) return false;
@@ -215,6 +229,7 @@ class ImageChooser {
                            .rect = *rect,
                            .slices = slices,
                            .contents_price = float(present_price_ - open.present_price),
+                           .whole_price = whole_price,
                            .making_price = making,
                            .draw = &draw_wanted<V>});
         return true;

@@ -190,10 +190,13 @@ class ImageMaker {
             image.is_of_images = image.is_of_images || images_in_image_ != 0;
             inherited = std::min(inherited, inherited_radius_);
         };
+        MadeSlices made(renderer_, {image.handles.data(), slices});
         if constexpr (R::facts.slices_images) {
             renderer_.begin_image(view, std::span<const ImageSlice>(extents.data(), slices), options_->samples);
             draw(view);
-            renderer_.end_image(std::span<std::uint32_t>(image.handles.data(), slices));
+            std::array<std::uint32_t, ImageCacheOptions::most_slices> handles{};
+            renderer_.end_image(std::span<std::uint32_t>(handles.data(), slices));
+            image.handles = handles;
         } else {
             for (std::size_t i = 0; i < slices; ++i) {
                 const LocalView slice = slices == 1 ? view : view.between(extents[i].nearest, extents[i].farthest);
@@ -203,22 +206,38 @@ class ImageMaker {
                 if (image.handles[i] == 0) break;
             }
         }
-        const std::span<const std::uint32_t> handles(image.handles.data(), slices);
-        if (std::find(handles.begin(), handles.end(), 0u) != handles.end()) {
-            for (const std::uint32_t handle : handles) {
-                if (handle != 0) free_handle(handle);
-            }
+        if (!made.are_all()) {
             cell.refused_frame = kept_.frame();
             return false;
         }
         image.inherited_radius = inherited / wanted.view.scale;
         image.bytes = bytes;
-        image.making_cost = wanted.making_price;
+        image.whole_price = wanted.whole_price;
         set_safety_zone(image, wanted.view, *options_);
         kept_.keep(cell, image);
+        made.release();
         cell.drawn_frame = kept_.frame();
         return true;
     }
+
+    /// Frees what there is of an image if the rest fails, or whatever throws.
+    class MadeSlices {
+      public:
+        MadeSlices(R& renderer, std::span<const std::uint32_t> handles) : renderer_(renderer), handles_(handles) {}
+        ~MadeSlices() {
+            for (const std::uint32_t handle : handles_) {
+                if (handle != 0) renderer_.free_image(handle);
+            }
+        }
+        MadeSlices(const MadeSlices&) = delete;
+        MadeSlices& operator=(const MadeSlices&) = delete;
+        bool are_all() const { return std::find(handles_.begin(), handles_.end(), 0u) == handles_.end(); }
+        void release() { handles_ = {}; }
+
+      private:
+        R& renderer_;
+        std::span<const std::uint32_t> handles_;
+    };
 
     R& renderer_;
     SourceTable<R>& sources_;

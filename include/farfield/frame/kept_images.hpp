@@ -43,7 +43,7 @@ struct CellImage {
     /// the paper's safety zone, which is quick to ask.
     float safe_radius = 0, safe_sine = 0;
     std::uint64_t bytes = 0;
-    float making_cost = 0;
+    float whole_price = 0;  ///< of drawing what it shows, all of it
     /// What it shows is partly images of cells below: it is good inside this sphere, and for half the threshold.
     float inherited_radius = std::numeric_limits<float>::infinity();
     bool is_of_images = false;
@@ -262,9 +262,9 @@ class KeptImages {
     }
     void keep(KeptCell& cell, const CellImage& image) {
         if (free_.empty()) {
-            cell.image = std::uint32_t(images_.size());
+            free_.reserve(images_.size() + 1);  // freeing never fails
             images_.push_back(image);
-            free_.reserve(images_.size());
+            cell.image = std::uint32_t(images_.size() - 1);
         } else {
             cell.image = free_.back();
             free_.pop_back();

@@ -28,7 +28,7 @@
 namespace farfield {
 
 struct CalibrationOptions {
-    double seconds = 0.6;  ///< about how long frames are measured; building scenes for them comes on top
+    double seconds = 1;    ///< about how long frames are measured; building scenes for them comes on top
     int repetitions = 51;  ///< of each frame at most; at least 3 are made, however long they take
 };
 
@@ -47,12 +47,12 @@ inline glm::vec3 calibration_place(std::size_t i, std::size_t n, float step) {
     return {first + float(i % n) * step, first + float(i / n) * step, 0};
 }
 
-/// The time that the second frame takes beyond the first one's. They take turns, so that a change of clock rate meets
-/// both, and the median of their differences ignores interruptions.
+/// The time that the second frame takes beyond the first one's: least times, for whatever interrupts makes them longer.
+/// They take turns, so that a change of clock rate meets both.
 template <class Frame, class OtherFrame>
 double extra_nanoseconds(const CalibrationOptions& options, Frame&& few, OtherFrame&& many) {
     using Clock = std::chrono::steady_clock;
-    constexpr double kinds = 6;  // shares of options.seconds
+    constexpr double kinds = 11;  // shares of options.seconds
     const auto nanoseconds = [](auto&& frame) {
         const auto start = Clock::now();
         frame();
@@ -60,17 +60,15 @@ double extra_nanoseconds(const CalibrationOptions& options, Frame&& few, OtherFr
     };
     many();  // buffers grow
     few();
-    std::vector<double> differences;
+    double least_few = nanoseconds(few), least_many = nanoseconds(many);
     const auto start = Clock::now();
-    while (differences.size() < 3 ||
-           (int(differences.size()) < options.repetitions &&
-            std::chrono::duration<double>(Clock::now() - start).count() < options.seconds / kinds)) {
-        const double without = nanoseconds(few);
-        differences.push_back(nanoseconds(many) - without);
+    for (int i = 1; i < 3 || (i < options.repetitions &&
+                              std::chrono::duration<double>(Clock::now() - start).count() < options.seconds / kinds);
+         ++i) {
+        least_few = std::min(least_few, nanoseconds(few));
+        least_many = std::min(least_many, nanoseconds(many));
     }
-    const auto middle = differences.begin() + std::ptrdiff_t(differences.size() / 2);
-    std::nth_element(differences.begin(), middle, differences.end());
-    return *middle;
+    return least_many - least_few;
 }
 
 /// No work takes less than a tenth of a nanosecond: a smaller price is noise, and 0 would be nonsense.
@@ -84,9 +82,12 @@ class Calibration {
     Calibration(R& renderer, const CalibrationOptions& options) : renderer_(renderer), options_(options) {}
 
     MeasuredTime prices() {
-        MeasuredTime prices;  // images and texels: no renderer has a hook for them yet
+        MeasuredTime prices;
         prices.small_triangle = triangle_price(256, 0.6f);
-        prices.near_triangle = triangle_price(64, 14.2f);  // half the square: 100 pixels
+        // Half the square each. Those of one pixel lie where they please, or all would hold a sample, or none.
+        prices.hit_triangle = triangle_price(128, 1.4142f, /*strewn=*/true);
+        prices.near_triangle = triangle_price(64, 8);
+        static_assert(MeasuredTime::near_px == 8 * 8 / 2);
         prices.run = run_price();
         const auto [cell, stand_in] = cell_and_stand_in_prices();
         prices.cell = cell;
@@ -101,6 +102,7 @@ class Calibration {
                                return Splat{p, glm::vec2(1), 0.5f, Rgba8{60, 60, 60, std::uint8_t(AreaLaw::mixed)}};
                            });
         }
+        if constexpr (R::facts.keeps_images) set_image_prices(prices);
         return prices;
     }
 
@@ -156,19 +158,24 @@ class Calibration {
         };
     }
 
-    static std::vector<Triangle> triangles(std::size_t n, float step, float side, std::size_t every) {
+    static std::vector<Triangle> triangles(std::size_t n, float step, float side, std::size_t every,
+                                           bool strewn = false) {
         std::vector<Triangle> all;
         for (std::size_t i = 0; i < n * n; i += every) {
-            const glm::vec3 p = calibration_place(i, n, step) - glm::vec3(side / 3, side / 3, 0);
+            glm::vec3 p = calibration_place(i, n, step) - glm::vec3(side / 3, side / 3, 0);
+            // Multiples of the golden ratio's inverse, and of its square, fill the unit evenly.
+            const auto part = [&](double of) { return float(std::fmod(of * double(i), 1.0)); };
+            if (strewn) p += glm::vec3(part(0.6180339887498949), part(0.7548776662466927), 0);
             all.push_back({{p, p + glm::vec3(side, 0, 0), p + glm::vec3(0, side, 0)}, {90, 120, 150, 255}});
         }
         return all;
     }
 
     /// Few and many draw into the same part of the picture: clearing and showing it cancels out.
-    float triangle_price(std::size_t n, float side) {
+    float triangle_price(std::size_t n, float side, bool strewn = false) {
         const float step = 2 * calibration_half_side / float(n);
-        const Paged many(renderer_, triangles(n, step, side, 1)), few(renderer_, triangles(n, step, side, 8));
+        const Paged many(renderer_, triangles(n, step, side, 1, strewn)),
+            few(renderer_, triangles(n, step, side, 8, strewn));
         const auto all_of = [this](const Paged& p) {
             const Range range{0, p.source().item_count};
             renderer_.draw(p.source(), std::span(&range, 1));
@@ -196,6 +203,129 @@ class Calibration {
             }
         };
         return price(extra_nanoseconds(options_, frame(draw_one), frame(draw_many)), ranges.size());
+    }
+
+    /// Images that tile a picture half of which is triangles, as half of what most images show is: `a_side` of them on
+    /// a side.
+    class Tiles {
+      public:
+        Tiles(R& renderer, std::size_t a_side)
+            : renderer_(renderer), a_side_(a_side), source_(renderer, sorted(a_side)) {}
+        ~Tiles() { free(); }
+        Tiles(const Tiles&) = delete;
+        Tiles& operator=(const Tiles&) = delete;
+
+        std::size_t count() const { return a_side_ * a_side_; }
+        /// As much drawn into the picture, and no image made.
+        void draw_contents() const {
+            for (std::size_t i = 0; i < count(); ++i) draw_contents(i);
+        }
+        void make(const LocalView& view) {
+            const auto width = int(side_px());
+            for (std::size_t i = 0; i < count(); ++i) {
+                const LocalView part = view.rectangle(int(i % a_side_) * width, int(i / a_side_) * width, width, width);
+                if constexpr (R::facts.slices_images) {
+                    const ImageSlice whole{.depth = calibration_half_side};
+                    renderer_.begin_image(part, std::span(&whole, 1), 1);
+                } else {
+                    renderer_.begin_image(part, calibration_half_side, 1);
+                }
+                renderer_.set_view(part);
+                draw_contents(i);
+                std::uint32_t image = 0;
+                if constexpr (R::facts.slices_images) {
+                    renderer_.end_image(std::span(&image, 1));
+                } else {
+                    image = renderer_.end_image();
+                }
+                if (image != 0) images_.push_back({image, corner(i), {side_px(), 0, 0}, {0, -side_px(), 0}});
+            }
+            renderer_.set_view(view);
+        }
+        void free() {
+            for (const ImageQuad& quad : images_) renderer_.free_image(quad.image);
+            images_.clear();
+        }
+        void draw_images() const {
+            for (const ImageQuad& quad : images_) renderer_.draw(std::span(&quad, 1));
+        }
+
+      private:
+        static constexpr std::size_t n = 64;  // of triangles on a side, eight pixels each
+        float side_px() const { return 2 * calibration_half_side / float(a_side_); }
+        glm::vec3 corner(std::size_t i) const {
+            return {float(i % a_side_) * side_px() - calibration_half_side,
+                    calibration_half_side - float(i / a_side_) * side_px(), 0};
+        }
+        void draw_contents(std::size_t i) const {
+            const auto each = std::uint32_t(n * n / count());
+            const Range range{std::uint32_t(i) * each, each};
+            renderer_.draw(source_.source(), std::span(&range, 1));
+        }
+        /// Those of one tile after those of another.
+        static std::vector<Triangle> sorted(std::size_t a_side) {
+            const std::vector<Triangle> rows = triangles(n, 8, 8, 1);
+            const std::size_t in_tile = n / a_side;
+            std::vector<Triangle> all;
+            for (std::size_t tile = 0; tile < a_side * a_side; ++tile) {
+                for (std::size_t i = 0; i < in_tile * in_tile; ++i) {
+                    const std::size_t x = tile % a_side * in_tile + i % in_tile;
+                    const std::size_t from_top = tile / a_side * in_tile + i / in_tile;
+                    all.push_back(rows[(n - 1 - from_top) * n + x]);
+                }
+            }
+            return all;
+        }
+
+        R& renderer_;
+        std::size_t a_side_;
+        Paged source_;
+        std::vector<ImageQuad> images_;
+    };
+
+    /// Few large images and many small ones of the same picture tell what an image takes from what a texel does.
+    void set_image_prices(MeasuredTime& prices) {
+        Tiles large_ones(renderer_, 8), many(renderer_, 32);
+        const LocalView view = calibration_view();
+        // Something is behind images, so that finishing the picture takes the same without them.
+        std::vector<Triangle> wall;
+        for (const float way : {-1.0f, 1.0f}) {
+            const glm::vec3 corner = glm::vec3(way, way, -0.25f) * (2 * calibration_half_side);
+            wall.push_back({{corner, corner * glm::vec3(-1, 1, 1), corner * glm::vec3(1, -1, 1)}, {20, 30, 40, 255}});
+        }
+        const Paged backdrop(renderer_, std::move(wall));
+        const auto making = [&](Tiles& tiles) {
+            const auto contents = [&] { tiles.draw_contents(); };
+            const auto images = [&] {
+                tiles.make(view);
+                tiles.free();
+            };
+            return extra_nanoseconds(options_, frame(contents), frame(images));
+        };
+        const auto drawing = [&](Tiles& tiles) {
+            const auto behind = [&] {
+                const Range range{0, backdrop.source().item_count};
+                renderer_.draw(backdrop.source(), std::span(&range, 1));
+            };
+            const auto images = [&] {
+                behind();
+                tiles.draw_images();
+            };
+            const auto make = [&] { tiles.make(view); };
+            tiles.free();
+            frame(make)();
+            return extra_nanoseconds(options_, frame(behind), frame(images));
+        };
+        constexpr double texels = 4.0 * double(calibration_half_side) * double(calibration_half_side);
+        const auto prices_of = [&](double few_images, double many_images, float& an_image, float& a_texel) {
+            const auto more = double(many.count() - large_ones.count());
+            an_image = price(many_images - few_images, std::size_t(more));
+            a_texel = price(few_images - double(an_image) * double(large_ones.count()), std::size_t(texels));
+        };
+        const double few_made = making(large_ones), many_made = making(many);
+        prices_of(few_made, many_made, prices.made_image, prices.made_texel);
+        const double few_drawn = drawing(large_ones), many_drawn = drawing(many);
+        prices_of(few_drawn, many_drawn, prices.image, prices.texel);
     }
 
     /// The price of faces or splats about a pixel wide, side by side: cells stand in when they are that large.
@@ -258,8 +388,8 @@ class Calibration {
 }  // namespace detail
 
 /// Measures prices for builds that suit this machine, this renderer and its options (samples, light). The renderer's
-/// end_frame must not return before the picture is done. Images, texels, and whatever else the renderer does not draw
-/// keep MeasuredTime's defaults; all prices are positive and finite. Leaves another picture in the renderer.
+/// end_frame must not return before the picture is done. Whatever the renderer does not draw
+/// keeps MeasuredTime's defaults; all prices are positive and finite. Leaves another picture in the renderer.
 template <class R>
 requires Renderer<R, Triangle> MeasuredTime calibrate(R& renderer, const CalibrationOptions& options = {}) {
     return detail::Calibration<R>(renderer, options).prices();

@@ -124,17 +124,29 @@ class ZBufferCanvas {
         end_image({&handle, 1});
         return handle;
     }
+    /// If memory runs out, no image of these is kept.
     void end_image(std::span<std::uint32_t> handles) {
+        std::fill(handles.begin(), handles.end(), 0u);
+        struct Unfinished {
+            std::vector<KeptImage>& images;
+            std::span<const std::uint32_t> handles;
+            ~Unfinished() {
+                for (const std::uint32_t handle : handles) {
+                    if (handle != 0) images[handle - 1] = {};
+                }
+            }
+        } unfinished{images_, handles};
         std::size_t slot = 0;
-        for (std::size_t i = 0; i < handles.size(); ++i) {
+        for (std::size_t i = 0; i < handles.size(); ++i, ++slot) {
             while (slot < images_.size() && images_[slot].whole_width != 0) ++slot;
             if (slot == images_.size()) images_.emplace_back();
+            handles[i] = std::uint32_t(slot + 1);
             SampleBuffers& buffers = slices_.buffers(i);
             buffers.resolve(targets_[i].image);
             keep_image(images_[slot], buffers, targets_[i].image, projection_, targets_[i].quad_depth, slices_.range(i),
                        relative_depths_);
-            handles[i] = std::uint32_t(slot + 1);
         }
+        unfinished.handles = {};
         makes_image_ = false;
         leave_target();
     }
