@@ -246,9 +246,9 @@ class Run {
         result.choice = result.measured->choice_for(*options_.error);
     }
 
-    /// As often as exact is, of frames that are not slow. None for so many samples.
+    /// None where nothing is compared with it, or for so many samples.
     std::optional<PlainTime> time_of_plain_loop() {
-        if (!PlainLoop::draws(options_.samples) || !options_.error) return std::nullopt;
+        if (!PlainLoop::draws(options_.samples) || !options_.error || options_.variants.size() < 2) return std::nullopt;
         PlainLoop loop(setting_.scene, options_.samples);
         progress_.begin("drawing all triangles in a plain loop", int(references_.size()));
         PlainTime time{.triangles = loop.triangles(), .drawn_triangles = loop.drawn_triangles()};
