@@ -65,6 +65,13 @@ inline auto image_variants() {
                                       std::tuple{Named{"", MeasuredTime{}}}));
 }
 
+/// The hierarchies of what is placed: those of images over a far field are octrees, for cells between gaps are long,
+/// and few of their stand-ins are good at several pixels.
+template <class H>
+using InnerHierarchy =
+    std::conditional_t<H::approximation_type::facts.caches_images && H::approximation_type::facts.stands_in,
+                       SpatialHierarchy<Octree, typename H::approximation_type, typename H::cost_model_type>, H>;
+
 /// Whether experiments draw it with coverage masks, too: the gain from hiding what is hidden and from 64 samples a
 /// pixel is much the same for its relatives.
 template <class V>

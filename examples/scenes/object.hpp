@@ -11,11 +11,11 @@
 namespace farfield::scenes {
 
 /// Groups without placements are hierarchies over plain triangles, which are smaller and quicker to read; so there are
-/// two kinds of instances.
-template <class Hierarchy>
+/// two kinds of instances, which may be of two kinds of hierarchies.
+template <class Hierarchy, class OfTriangles = Hierarchy>
 struct Object {
     using Triangle = VertexColoredTriangle;
-    using InstanceOfTriangles = Instance<Hierarchy, Triangle>;
+    using InstanceOfTriangles = Instance<OfTriangles, Triangle>;
     using InstanceOfObjects = Instance<Hierarchy, Object>;
 
     std::variant<Triangle, InstanceOfTriangles, InstanceOfObjects> is;

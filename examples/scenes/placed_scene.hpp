@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "farfield/banded_viewer.hpp"
@@ -26,10 +28,14 @@
 
 namespace farfield::scenes {
 
-/// Colors of scenes have their light baked in, so stand-ins are made and everything is drawn without one.
-template <class Hierarchy>
+/// Colors of scenes have their light baked in, so stand-ins are made and everything is drawn without one. What is
+/// placed and places nothing itself may have another type of hierarchy, `Inner`, with its partition as it is by
+/// default.
+template <class Hierarchy, class Inner = Hierarchy>
 class PlacedScene final : public BuiltScene {
   public:
+    static constexpr bool has_inner = !std::is_same_v<Hierarchy, Inner>;
+    using ObjectOfScene = Object<Hierarchy, Inner>;
     using Triangle = VertexColoredTriangle;
     using Partition = typename Hierarchy::partition_type;
     using Approximation = typename Hierarchy::approximation_type;
@@ -42,18 +48,19 @@ class PlacedScene final : public BuiltScene {
         for (std::size_t g = 0; g < groups_.size(); ++g) {
             Group& group = groups_[g];
             // Triangles are copied, since each variant puts them into its own order.
-            if (scene.groups[g].placements.empty()) {
-                group.triangles = scene.groups[g].triangles;
-                build(group, group.triangles, partition_for, approximation, cost);
-            } else {
+            if (!scene.groups[g].placements.empty()) {
                 group.objects = objects_of(scene.groups[g]);
-                build(group, group.objects, partition_for, approximation, cost);
+                build(group.hierarchy, group.objects, partition_for(group.objects.size()), approximation, cost);
+            } else {
+                group.triangles = scene.groups[g].triangles;
+                if constexpr (has_inner) {
+                    if (g + 1 < groups_.size()) {
+                        build(group.inner, group.triangles, typename Inner::partition_type{}, approximation, cost);
+                        continue;
+                    }
+                }
+                build(group.hierarchy, group.triangles, partition_for(group.triangles.size()), approximation, cost);
             }
-            facts_.bytes += group.hierarchy.bytes();
-            facts_.cells += group.hierarchy.nodes().size();
-            facts_.levels = std::max(facts_.levels, group.hierarchy.report().levels);
-            facts_.cells_over_piece_budget += group.hierarchy.report().cells_over_piece_budget;
-            facts_.keeps_strict_order = (g == 0 || facts_.keeps_strict_order) && group.hierarchy.keeps_strict_order();
         }
     }
 
@@ -92,9 +99,18 @@ class PlacedScene final : public BuiltScene {
 
   private:
     struct Group {
-        std::vector<Triangle> triangles;         ///< all of a group without placements
-        std::vector<Object<Hierarchy>> objects;  ///< all of any other
+        std::vector<Triangle> triangles;     ///< all of a group without placements
+        std::vector<ObjectOfScene> objects;  ///< all of any other
         Hierarchy hierarchy;
+        std::conditional_t<has_inner, Inner, std::monostate> inner;  ///< of placed triangles, instead
+
+        const Inner& of_triangles() const {
+            if constexpr (has_inner) {
+                return inner;
+            } else {
+                return hierarchy;
+            }
+        }
     };
 
     template <class P, class Renderer>
@@ -201,36 +217,41 @@ class PlacedScene final : public BuiltScene {
         return std::make_unique<Frames<P, Renderer>>(hierarchy, primitives, choice);
     }
 
-    std::vector<Object<Hierarchy>> objects_of(const scenes::Group& group) const {
-        std::vector<Object<Hierarchy>> objects;
+    std::vector<ObjectOfScene> objects_of(const scenes::Group& group) const {
+        std::vector<ObjectOfScene> objects;
         objects.reserve(group.triangles.size() + group.placements.size());
         for (const Triangle& t : group.triangles) objects.push_back({t});
         for (const auto& placement : group.placements) {
             const Group& inner = groups_[placement.group];
-            if (inner.hierarchy.primitive_count() == 0) continue;  // nothing has no bounding box
             const Similarity to_parent(placement.to_parent);
-            if (inner.objects.empty()) {
-                objects.push_back({Instance<Hierarchy, Triangle>{&inner.hierarchy, inner.triangles, to_parent}});
-            } else {
-                objects.push_back({Instance<Hierarchy, Object<Hierarchy>>{&inner.hierarchy, inner.objects, to_parent}});
+            // Nothing has no bounding box, and is not placed.
+            if (!inner.objects.empty()) {
+                objects.push_back({Instance<Hierarchy, ObjectOfScene>{&inner.hierarchy, inner.objects, to_parent}});
+            } else if (!inner.triangles.empty()) {
+                objects.push_back({Instance<Inner, Triangle>{&inner.of_triangles(), inner.triangles, to_parent}});
             }
         }
         return objects;
     }
 
-    template <class P>
-    void build(Group& group, std::vector<P>& primitives, const PartitionFor& partition_for,
+    template <class H, class P>
+    void build(H& hierarchy, std::vector<P>& primitives, const typename H::partition_type& partition,
                const Approximation& approximation, const CostModel& cost) {
         const auto begin = std::chrono::steady_clock::now();
-        const Partition partition = partition_for(primitives.size());
-        if constexpr (Hierarchy::assignment == Assignment::unique) {
-            group.hierarchy = build_in_place<Hierarchy>(
-                primitives, {.partition = partition, .approximation = approximation, .cost_model = cost});
+        if constexpr (H::assignment == Assignment::unique) {
+            hierarchy = build_in_place<H>(primitives,
+                                          {.partition = partition, .approximation = approximation, .cost_model = cost});
         } else {
-            group.hierarchy = farfield::build<Hierarchy>(
+            hierarchy = farfield::build<H>(
                 primitives, {.partition = partition, .approximation = approximation, .cost_model = cost});
         }
+        const bool is_first = facts_.cells == 0;
         facts_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        facts_.bytes += hierarchy.bytes();
+        facts_.cells += hierarchy.nodes().size();
+        facts_.levels = std::max(facts_.levels, hierarchy.report().levels);
+        facts_.cells_over_piece_budget += hierarchy.report().cells_over_piece_budget;
+        facts_.keeps_strict_order = (is_first || facts_.keeps_strict_order) && hierarchy.keeps_strict_order();
     }
 
     std::vector<Group> groups_;  ///< never resized: instances point into it

@@ -10,9 +10,9 @@
 namespace walkthrough {
 
 /// `partition_for` is given how many primitives a group has.
-template <class Hierarchy, class PartitionFor>
+template <class Hierarchy, class Inner = Hierarchy, class PartitionFor>
 Recipe recipe(PartitionFor partition_for, const typename Hierarchy::approximation_type& approximation) {
-    using Scene = farfield::scenes::PlacedScene<Hierarchy>;
+    using Scene = farfield::scenes::PlacedScene<Hierarchy, Inner>;
     const auto build = [=](const farfield::scenes::Scene& scene) -> std::unique_ptr<farfield::scenes::BuiltScene> {
         return std::make_unique<Scene>(scene, partition_for, approximation);
     };
@@ -20,9 +20,9 @@ Recipe recipe(PartitionFor partition_for, const typename Hierarchy::approximatio
 }
 
 /// With the partition as it is by default.
-template <class Hierarchy>
+template <class Hierarchy, class Inner = Hierarchy>
 Recipe recipe(const typename Hierarchy::approximation_type& approximation = {}) {
-    return recipe<Hierarchy>([](std::size_t) { return typename Hierarchy::partition_type{}; }, approximation);
+    return recipe<Hierarchy, Inner>([](std::size_t) { return typename Hierarchy::partition_type{}; }, approximation);
 }
 
 }  // namespace walkthrough

@@ -239,6 +239,9 @@ struct ImageCacheOptions {
     /// The work of making images may exceed that of drawing what they show, in a frame, by this part of the frame's
     /// work: an image shows all of a cell where the picture shows a part.
     float most_overhead = 0.25f;
+    /// Images may be made anew before they have to, in frames that make less than most do, by this part of their life:
+    /// neighbors that were made in one frame would else run out in one. 0: none is.
+    float most_early = 0.125f;
     /// How far the eye moves in a frame at most, in world units, and by how much that may grow from one frame to the
     /// next. With a speed above 0 images are made only if they pay whatever the viewer does within these bounds (Shade
     /// et al. 1996, section 3); 0: the last motion is taken to go on, or the path to be the one that the viewer was
@@ -255,6 +258,7 @@ struct ImageCacheOptions {
         if (samples < 1) return "ImageCache: samples must be 1 or more";
         if (!is_number(most_overhead)) return "ImageCache: most_overhead must be 0 or more and finite";
         if (!is_number(most_making)) return "ImageCache: most_making must be 0 or more and finite";
+        if (!(most_early >= 0 && most_early <= 1)) return "ImageCache: most_early must be from 0 to 1";
         if (!is_number(most_speed) || !is_number(most_acceleration))
             return "ImageCache: most_speed and most_acceleration must be 0 or more and finite";
         if (!(most_magnified >= 1 && most_minified >= 1))

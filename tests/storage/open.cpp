@@ -170,7 +170,7 @@ TEST_CASE("files of other policies, versions and machines say so") {
     CHECK(refused<ExactOctree>(directory / "h") ==
           "was saved with another approximation: expected 0x45580001 (EX), found 0x43430003 (CC)");
     CHECK(refused<SpatialHierarchy<Octree, ColorCube, MeasuredTime>>(directory / "h") ==
-          "was saved with another cost model: expected 0x4d540001 (MT), found 0x54430001 (TC)");
+          "was saved with another cost model: expected 0x4d540002 (MT), found 0x54430001 (TC)");
 
     FileHeader header = header_of(bytes);
     for (const std::uint32_t version : {1u, 4u}) {

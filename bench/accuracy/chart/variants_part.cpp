@@ -30,8 +30,8 @@ AnyVariant any(const V& variant) {
     using Hierarchy = typename V::hierarchy_type;
     const auto build = [variant](const scenes::Scene& scene) -> std::unique_ptr<scenes::BuiltScene> {
         const auto partition = [&](std::size_t primitives) { return partition_for(variant, primitives); };
-        return std::make_unique<scenes::PlacedScene<Hierarchy>>(scene, partition, variant.approximation,
-                                                                variant.cost_model);
+        return std::make_unique<scenes::PlacedScene<Hierarchy, InnerHierarchy<Hierarchy>>>(
+            scene, partition, variant.approximation, variant.cost_model);
     };
     constexpr ApproximationFacts facts = Hierarchy::approximation_type::facts;
     return {variant.name, facts.stands_in, facts.caches_images, distance_measure(variant), build};

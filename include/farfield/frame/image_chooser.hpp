@@ -81,6 +81,8 @@ struct WantedImage {
     float contents_price = 0;  ///< of drawing what the picture shows of it, by images below that are kept
     float whole_price = 0;     ///< of drawing all of it
     float making_price = 0;    ///< of making the image, that included
+    std::uint32_t lives = 1;   ///< frames that it will serve
+    bool is_new = false;       ///< the cell was not looked at in the last frame: it may be hidden
     void (*draw)(Maker&, const WantedImage&, const LocalView& image_view) = nullptr;
 };
 
@@ -90,12 +92,17 @@ class ImageChooser {
   public:
     static constexpr bool keeps_images = true;
 
+    /// `renewals` are images that are good, and will not be for long.
     ImageChooser(KeptImages& kept, const ImageCacheOptions& options, const ExpectedPath& path,
-                 std::vector<WantedImage<Maker>>& wanted)
-        : kept_(kept), options_(options), path_(path), wanted_(wanted) {}
+                 std::vector<WantedImage<Maker>>& wanted, std::vector<WantedImage<Maker>>& renewals)
+        : kept_(kept), options_(options), path_(path), wanted_(wanted), renewals_(renewals) {}
 
     /// What drawing the frame costs without making images, in the unit of the cost model.
     float price() const { return float(present_price_); }
+    /// What making images costs in a frame as most are: each once in its life.
+    float usual_making() const { return float(usual_making_); }
+    /// No image is left of what was drawn before: as in the first frame, and after a jump.
+    bool is_afresh() const { return good_images_ == 0; }
 
     void enter(const auto&) {}
     void leave(const auto&) {}
@@ -132,6 +139,7 @@ class ImageChooser {
     CellDrawn begin_cell(const V& v, const Subtree& subtree) {
         const std::uint32_t index = kept_.index_of({v.path, subtree.node});
         KeptCell& cell = kept_.cell(index);
+        const bool is_new = cell.seen_frame + 1 != kept_.frame();
         cell.seen_frame = kept_.frame();
         if (const CellImage* image = kept_.image_of(cell); image != nullptr && is_good(*image, v.view, options_)) {
             cell.drawn_frame = kept_.frame();
@@ -140,9 +148,13 @@ class ImageChooser {
             present_price_ += double(drawing);
             whole_price_ += double(std::max(image->whole_price, drawing));
             ++images_;
+            ++good_images_;
+            usual_making_ += double(image->making_price) / double(image->lives);
+            if (is_soon_over(v, *image)) add_renewal(v, subtree, index, *image);
             return CellDrawn::by_image;
         }
-        open_.push_back({index, price_, present_price_, whole_price_, images_, wanted_.size()});
+        open_.push_back({index, price_, present_price_, whole_price_, usual_making_, images_, wanted_.size(),
+                         renewals_.size(), is_new});
         return CellDrawn::in_parts;
     }
 
@@ -161,9 +173,36 @@ class ImageChooser {
   private:
     struct Open {
         std::uint32_t cell;
-        double price, present_price, whole_price;
-        std::size_t images, wanted;
+        double price, present_price, whole_price, usual_making;
+        std::size_t images, wanted, renewals;
+        bool is_new;
     };
+
+    /// Within the part of its life by which it may be made early. Motion decides, not age: whoever stands still needs
+    /// no new image.
+    template <class V>
+    bool is_soon_over(const V& v, const CellImage& image) const {
+        const auto early = std::uint32_t(options_.most_early * float(std::min(image.lives, ExpectedPath::farthest)));
+        if (early == 0 || kept_.frame() - image.made_frame + early < image.lives) return false;
+        return !is_good_after(early, image, v.view);
+    }
+    template <class V>
+    void add_renewal(const V& v, const Subtree& subtree, std::uint32_t index, const CellImage& image) {
+        const std::optional<ImageRect> rect = image_rect(v.view, subtree.cell.bounds_center, subtree.cell.bounds_half);
+        if (!rect || rect->width > v.view.part.whole_width || rect->height > v.view.part.whole_height) return;
+        renewals_.push_back({.cell = index,
+                             .hierarchy = &v.hierarchy,
+                             .primitives = v.source.primitives.data(),
+                             .primitive_count = v.source.primitives.size(),
+                             .view = v.view,
+                             .subtree = subtree,
+                             .rect = *rect,
+                             .slices = image.slices,
+                             .whole_price = image.whole_price,
+                             .making_price = image.making_price,
+                             .lives = image.lives,
+                             .draw = &draw_wanted<V>});
+    }
 
     void add(double price) {
         price_ += price;
@@ -202,6 +241,7 @@ class ImageChooser {
         const float whole_price = whole / visible_part(view, *rect);
         float best = contents, making = 0;
         int slices = 0;
+        std::uint32_t best_lives = 1;
         // Slices are worth their texels only where one rectangle is soon wrong.
         for (int n = options_.slices; n > 0; n /= 2) {
             const CellImage planned = planned_image(view, cell.bounds_center, cell.bounds_half, *rect, n);
@@ -215,11 +255,14 @@ class ImageChooser {
             if (!(amortized < best)) continue;
             best = amortized;
             making = making_it;
+            best_lives = lives;
             slices = n;
         }
         if (slices == 0) return false;
         price_ = open.price + double(best);
+        usual_making_ = open.usual_making + double(making) / double(best_lives);
         wanted_.erase(wanted_.begin() + std::ptrdiff_t(open.wanted), wanted_.end());
+        renewals_.erase(renewals_.begin() + std::ptrdiff_t(open.renewals), renewals_.end());
         wanted_.push_back({.cell = open.cell,
                            .hierarchy = &v.hierarchy,
                            .primitives = v.source.primitives.data(),
@@ -231,6 +274,8 @@ class ImageChooser {
                            .contents_price = float(present_price_ - open.present_price),
                            .whole_price = whole_price,
                            .making_price = making,
+                           .lives = best_lives,
+                           .is_new = open.is_new,
                            .draw = &draw_wanted<V>});
         return true;
     }
@@ -242,12 +287,13 @@ class ImageChooser {
             return frames_within(image.safe_radius * view.scale, options_.most_speed, options_.most_acceleration,
                                  ExpectedPath::farthest);
         }
+        return life_span(ExpectedPath::farthest, [&](std::uint32_t k) { return is_good_after(k, image, view); });
+    }
+    bool is_good_after(std::uint32_t frames, const CellImage& image, const LocalView& view) const {
         LocalView later = view;
-        return life_span(ExpectedPath::farthest, [&](std::uint32_t k) {
-            const glm::vec3 moved = path_.after(k);
-            later.eye = view.eye + (view.right * moved.x + view.up * moved.y + view.forward * moved.z) / view.scale;
-            return is_good(image, later, options_);
-        });
+        const glm::vec3 moved = path_.after(frames);
+        later.eye += (view.right * moved.x + view.up * moved.y + view.forward * moved.z) / view.scale;
+        return is_good(image, later, options_);
     }
 
     /// The part of a rectangle that lies in the picture; above 0.
@@ -272,12 +318,13 @@ class ImageChooser {
     KeptImages& kept_;
     const ImageCacheOptions& options_;
     const ExpectedPath& path_;
-    std::vector<WantedImage<Maker>>& wanted_;
+    std::vector<WantedImage<Maker>>&wanted_, &renewals_;
     std::vector<Open> open_;  ///< cells begun and not ended
     /// Of what has been priced so far: with the images that are wanted, their making spread over their lives; as it
     /// would be drawn if none were made; and without any images.
     double price_ = 0, present_price_ = 0, whole_price_ = 0;
-    std::size_t images_ = 0;
+    double usual_making_ = 0;
+    std::size_t images_ = 0, good_images_ = 0;
 };
 
 }  // namespace farfield::detail

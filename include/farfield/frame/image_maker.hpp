@@ -12,6 +12,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "farfield/drawables.hpp"
@@ -132,19 +133,40 @@ class ImageMaker {
         options_ = &options;
         kept_.begin_frame();
         wanted_.clear();
+        renewals_.clear();
         stats_ = {};
-        ImageChooser<ImageMaker> chooser(kept_, options, path, wanted_);
+        ImageChooser<ImageMaker> chooser(kept_, options, path, wanted_, renewals_);
         Descent<R, ImageChooser<ImageMaker>> descent(sources_, instances, stats_, chooser, deposits);
         descent.enter(hierarchy, primitives, view, 0);
         float overhead = options.most_overhead * chooser.price();
-        float making = options.most_making;
+        float making = 0;
         std::size_t made = 0;
         for (const WantedImage<ImageMaker>& wanted : wanted_) {
-            const float more = std::max(0.0f, wanted.making_price - wanted.contents_price);
-            if (made == options.most_made || more > overhead || wanted.making_price > making) continue;
+            // What has just come into sight may be hidden, and then its image is of no use: it is drawn first where
+            // there is much of it, which tells.
+            const bool may_be_hidden = R::facts.answers_hidden && wanted.is_new && !chooser.is_afresh();
+            const float more =
+                may_be_hidden ? wanted.making_price : std::max(0.0f, wanted.making_price - wanted.contents_price);
+            if (made == options.most_made || more > overhead || making + wanted.making_price > options.most_making) {
+                continue;
+            }
             if (!make(wanted)) continue;
             overhead -= more;
-            making -= wanted.making_price;
+            making += wanted.making_price;
+            ++made;
+        }
+        // "Room" is what a frame makes less than it would if lives were spread evenly.
+        const auto age = [&](const WantedImage<ImageMaker>& w) {
+            return kept_.image_of(kept_.cell(w.cell))->made_frame;
+        };
+        const float usual = std::min(chooser.usual_making(), options.most_making);
+        std::sort(renewals_.begin(), renewals_.end(),
+                  [&](const auto& a, const auto& b) { return std::pair(age(a), a.cell) < std::pair(age(b), b.cell); });
+        for (const WantedImage<ImageMaker>& wanted : renewals_) {
+            if (made == options.most_made || making + wanted.making_price > usual) continue;
+            // What is still good is not given up for what has no room.
+            if (kept_.bytes() + bytes_of(wanted) > options.budget_bytes || !make(wanted)) continue;
+            making += wanted.making_price;
             ++made;
         }
         return made;
@@ -166,14 +188,18 @@ class ImageMaker {
     }
 
   private:
+    std::uint64_t bytes_of(const WantedImage<ImageMaker>& wanted) const {
+        return std::uint64_t(wanted.slices) *
+               std::uint64_t(renderer_.image_bytes(wanted.rect.width, wanted.rect.height));
+    }
+
     /// "If the dimensions [fit] we redefine the viewing frustum so that it contains the entire node without changing
     /// the viewpoint or the view direction, and render the node."
     bool make(const WantedImage<ImageMaker>& wanted) {
         KeptCell& cell = kept_.cell(wanted.cell);
         const auto free_handle = [&](std::uint32_t handle) { renderer_.free_image(handle); };
         if (cell.image != KeptCell::no_image) kept_.forget(cell, free_handle);
-        const std::uint64_t bytes =
-            std::uint64_t(wanted.slices) * std::uint64_t(renderer_.image_bytes(wanted.rect.width, wanted.rect.height));
+        const std::uint64_t bytes = bytes_of(wanted);
         if (!kept_.make_room(bytes, options_->budget_bytes, free_handle)) return false;
         CellImage image = planned_image(wanted.view, wanted.subtree.cell.bounds_center, wanted.subtree.cell.bounds_half,
                                         wanted.rect, wanted.slices);
@@ -213,6 +239,9 @@ class ImageMaker {
         image.inherited_radius = inherited / wanted.view.scale;
         image.bytes = bytes;
         image.whole_price = wanted.whole_price;
+        image.making_price = wanted.making_price;
+        image.made_frame = kept_.frame();
+        image.lives = wanted.lives;
         set_safety_zone(image, wanted.view, *options_);
         kept_.keep(cell, image);
         made.release();
@@ -244,7 +273,7 @@ class ImageMaker {
     FrameStats stats_;  ///< nobody reads what choosing and making count
     DrawQueue<R> queue_;
     KeptImages kept_;
-    std::vector<WantedImage<ImageMaker>> wanted_;
+    std::vector<WantedImage<ImageMaker>> wanted_, renewals_;
     const ImageCacheOptions* options_ = nullptr;
     InstanceStack* instances_ = nullptr;
     bool deposits_ = false;

@@ -43,7 +43,10 @@ struct CellImage {
     /// the paper's safety zone, which is quick to ask.
     float safe_radius = 0, safe_sine = 0;
     std::uint64_t bytes = 0;
-    float whole_price = 0;  ///< of drawing what it shows, all of it
+    float whole_price = 0;   ///< of drawing what it shows, all of it
+    float making_price = 0;  ///< of making it, that included
+    std::uint32_t made_frame = 0;
+    std::uint32_t lives = 1;  ///< frames that it was made for
     /// What it shows is partly images of cells below: it is good inside this sphere, and for half the threshold.
     float inherited_radius = std::numeric_limits<float>::infinity();
     bool is_of_images = false;
