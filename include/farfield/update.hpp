@@ -117,10 +117,12 @@ struct Change {
 /// that they were given do.
 ///
 /// What did not change is shared: what has been decided, sampled and fitted for a cell is kept here, for all versions
-/// to come, and made anew only where primitives of the cell changed. That takes three to six times the hierarchy's own
-/// memory beside it. Arrays of a version are its own, for frames read them in a row: what is the same is copied, and of
-/// a million triangles that is most of the time of a small change. In a scene of instances the hierarchies that these
-/// hold are shared by all versions.
+/// to come, and made anew only where primitives of the cell changed. That takes 60 bytes a primitive and a half to two
+/// kilobytes a cell: 70 MB of a million triangles without stand-ins, 115 with OpacityTensor, 190 in a SampleSet, 360 in
+/// one of tensors. Arrays of a version are its own, for frames read them in a row: what is the same is copied, and of a
+/// million triangles that is most of the time of a small change. In a scene of instances the hierarchies that these
+/// hold are shared by all versions. Where data lie in a pool, and where a parent's stand-in is sampled from all below
+/// it (a ColorCube that does not composite), more is done than cells that changed need.
 ///
 /// Everything is built anew, as build() does, where the root's cell changes (bounds of all primitives that leave
 /// BuildOptions::world, or any change of bounds without one), with a memory budget, and where the partition does not

@@ -4,12 +4,15 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "farfield/approximation.hpp"
+#include "farfield/build/build_control.hpp"
 #include "farfield/cost_model.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/hierarchy/node.hpp"
@@ -40,6 +43,43 @@ struct BuildNode {
     std::uint8_t levels_replaced = 0;      ///< as Node's
     bool is_pruned = false;
 };
+
+/// Where each level of nodes ends that come level by level. Where they come otherwise each is a level by itself: a part
+/// of the nodes whose parents come before and whose children come after it.
+template <class BuildNode_>
+std::vector<std::size_t> levels_of(std::span<const BuildNode_> nodes) {
+    std::vector<std::size_t> ends;
+    std::size_t begin = 0, end = 1;
+    while (begin < nodes.size()) {
+        std::size_t next = end;
+        for (std::size_t n = begin; n < end; ++n) {
+            const auto children = std::size_t(std::popcount(nodes[n].child_mask));
+            if (children != 0 && nodes[n].first_child != next) {
+                ends.resize(nodes.size());
+                for (std::size_t i = 0; i < ends.size(); ++i) ends[i] = i + 1;
+                return ends;
+            }
+            next += children;
+        }
+        ends.push_back(end);
+        begin = end;
+        end = next;
+    }
+    return ends;
+}
+
+/// Calls f(n) for each node, children before parents, those of one level at once.
+template <class F>
+void run_bottom_up(const BuildControl& control, std::span<const std::size_t> ends, F&& f) {
+    constexpr std::size_t chunk = 64;
+    for (std::size_t level = ends.size(); level-- > 0;) {
+        const std::size_t begin = level == 0 ? 0 : ends[level - 1];
+        control.run_quietly((ends[level] - begin + chunk - 1) / chunk, [&](std::size_t i) {
+            const std::size_t end = std::min(begin + (i + 1) * chunk, ends[level]);
+            for (std::size_t n = begin + i * chunk; n < end; ++n) f(n);
+        });
+    }
+}
 
 /// Sets stand_in_levels_below, given a node's masks and its children, which are finished.
 inline void mark_levels_below(Node& node, std::span<const Node> children, bool has_stand_in) {

@@ -172,7 +172,7 @@ class HierarchyBuilder {
 
     template <class Draft>
     void merge(std::vector<Draft>& drafts) {
-        for (std::size_t n = nodes_.size(); n-- > 0;) {
+        run_bottom_up(control_, levels_of(std::span<const DraftCell>(nodes_)), [&](std::size_t n) {
             const DraftCell& node = nodes_[n];
             std::array<ChildDraft<Draft>, 8> children;
             unsigned count = 0;
@@ -183,7 +183,7 @@ class HierarchyBuilder {
             if (count != 0) {
                 approximation_.merge(node.cell, drafts[n], std::span<const ChildDraft<Draft>>(children.data(), count));
             }
-        }
+        });
     }
 
     // --- samples
@@ -200,18 +200,18 @@ class HierarchyBuilder {
         std::vector<std::uint32_t> moved;
         moved.reserve(data_.order.size());
         const SampleRace<A> race(approximation_, racers, scale);
-        MoveUp<A, DraftCell> samples(race, nodes_, data_.order);
+        MoveUp<A, DraftCell> samples(race, nodes_, data_.order, control_);
         samples.find_samples();
-        order_depth_first([&](std::size_t n) {
-            const std::size_t first = moved.size();
-            samples.append_items(n, moved);
-            nodes_[n].count = moved.size() - first;
-            nodes_[n].cost = 0;
-            for (std::size_t at = first; at < moved.size(); ++at) {
-                nodes_[n].cost += cost_.cost(work_of(primitives_[moved[at]]));
+        control_.run_quietly((nodes_.size() + chunk - 1) / chunk, [&](std::size_t i) {
+            for (std::size_t n = i * chunk; n < std::min((i + 1) * chunk, nodes_.size()); ++n) {
+                nodes_[n].count = samples.run(n).size();
+                nodes_[n].cost = 0;
+                for (const std::uint32_t p : samples.run(n)) nodes_[n].cost += cost_.cost(work_of(primitives_[p]));
             }
         });
-        sampled_cells_ = samples.sampled_cells(moved);
+        order_depth_first(
+            [&](std::size_t n) { moved.insert(moved.end(), samples.run(n).begin(), samples.run(n).end()); });
+        sampled_cells_ = samples.sampled_cells();
         data_.order = std::move(moved);
     }
 
@@ -273,19 +273,38 @@ class HierarchyBuilder {
     /// "The cost of rendering the primitives is no more than the cost of rendering the color-cube": then there is none.
     template <class Draft>
     void choose_what_pays(const std::vector<Draft>& drafts) {
-        for (const std::uint32_t n : nodes_by_place()) {
+        const auto keep_if_it_pays = [&](std::uint32_t n, const typename A::stand_in_data& data) {
             DraftCell& node = nodes_[n];
-            const std::size_t pool_size = data_.pool.size();
-            auto data = finished_stand_in(approximation_, node.cell, drafts[n], data_.pool);
-            if constexpr (A::facts.samples_primitives) data = approximation_.sampled(data, sampled_cells_[n]);
-            if (node.cost > least_cost_ && node.cost > cost_.cost(work_of_stand_in(approximation_, data))) {
+            const bool pays = node.cost > least_cost_ && node.cost > cost_.cost(work_of_stand_in(approximation_, data));
+            if (pays) {
                 node.stand_in = std::uint32_t(stand_ins_.size());
                 stand_ins_.push_back(data);
             } else {
-                data_.pool.resize(pool_size);
                 ++data_.facts.report.stand_ins_that_would_not_pay;
             }
+            return pays;
+        };
+        if constexpr (A::facts.has_pool) {
+            for (const std::uint32_t n : nodes_by_place()) {
+                const std::size_t pool_size = data_.pool.size();
+                if (!keep_if_it_pays(n, finished(n, drafts[n]))) data_.pool.resize(pool_size);
+            }
+        } else {
+            constexpr std::size_t chunk = 256;
+            std::vector<typename A::stand_in_data> all(nodes_.size());
+            control_.run_quietly((all.size() + chunk - 1) / chunk, [&](std::size_t i) {
+                for (std::size_t n = i * chunk; n < std::min((i + 1) * chunk, all.size()); ++n) {
+                    all[n] = finished(n, drafts[n]);
+                }
+            });
+            for (const std::uint32_t n : nodes_by_place()) keep_if_it_pays(n, all[n]);
         }
+    }
+    template <class Draft>
+    auto finished(std::size_t n, const Draft& draft) {
+        auto data = finished_stand_in(approximation_, nodes_[n].cell, draft, data_.pool);
+        if constexpr (A::facts.samples_primitives) data = approximation_.sampled(data, sampled_cells_[n]);
+        return data;
     }
 
     // --- freezing

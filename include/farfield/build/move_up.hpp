@@ -7,6 +7,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "farfield/approximation.hpp"
+#include "farfield/build/build_control.hpp"
 #include "farfield/build/build_node.hpp"
 #include "farfield/build/sample_race.hpp"
 
@@ -27,96 +29,127 @@ template <class A, class BuildNode_>
 class MoveUp {
   public:
     /// `order` has the indices of primitives by position.
-    MoveUp(const SampleRace<A>& race, std::span<const BuildNode_> nodes, std::span<const std::uint32_t> order)
-        : race_(race), nodes_(nodes), order_(order) {}
+    MoveUp(const SampleRace<A>& race, std::span<const BuildNode_> nodes, std::span<const std::uint32_t> order,
+           const BuildControl& control)
+        : race_(race), nodes_(nodes), order_(order), control_(control), levels_(levels_of(nodes)) {}
 
+    /// Cells of one level have nothing in common: they are looked at at once, level after level, first bottom up for
+    /// the lists of the least keys, then top down for who holds what is in several.
     void find_samples() {
         lists_.resize(nodes_.size());
-        for (std::size_t n = nodes_.size(); n-- > 0;) make_list(n);
-        give_to_highest();
-    }
-
-    /// Appends the indices of what node n holds now: its sample in the order of its keys, then what never was in one.
-    void append_items(std::size_t n, std::vector<std::uint32_t>& out) {
-        List& l = lists_[n];
-        const std::span<const std::uint32_t> least = list(n);
-        for (std::size_t i = 0; i < least.size(); ++i) {
-            if (holder_[least[i]] != n) continue;
-            out.push_back(least[i]);
-            l.sampled += i < l.about.sample;
+        holder_.assign(order_.size(), no_holder);
+        for (std::size_t level = levels_.size(); level-- > 0;) {
+            in_chunks(level, [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& kept) {
+                std::vector<std::uint32_t> list;
+                for (std::size_t n = begin; n < end; ++n) make_list(n, list, kept);
+            });
         }
-        for (const std::uint32_t p : order_.subspan(l.first_own, l.own)) {
-            if (holder_[p] == no_holder) out.push_back(p);
+        for (std::size_t level = 0; level < levels_.size(); ++level) {
+            in_chunks(level, [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t>& kept) {
+                for (std::size_t n = begin; n < end; ++n) hold(n, kept);
+            });
         }
     }
 
-    /// What moving has left of each node's cell, given the order that append_items() made.
-    std::vector<SampledCell> sampled_cells(std::span<const std::uint32_t> moved) const {
+    /// The indices of what node n holds now: its sample in the order of its keys, then what never was in one.
+    std::span<const std::uint32_t> run(std::size_t n) const { return lists_[n].run.in(buffers_); }
+
+    /// What moving has left of each node's cell.
+    std::vector<SampledCell> sampled_cells() const {
         std::vector<LeftOfCell> left(nodes_.size());
         std::vector<SampledCell> out(nodes_.size());
-        for (std::size_t n = nodes_.size(); n-- > 0;) {
-            left[n] = race_.left_of(nodes_[n].cell, lists_[n].about.area,
-                                    moved.subspan(nodes_[n].first_item, nodes_[n].count), lists_[n].sampled,
+        run_bottom_up(control_, levels_, [&](std::size_t n) {
+            left[n] = race_.left_of(nodes_[n].cell, lists_[n].about.area, run(n), lists_[n].sampled,
                                     [&](auto&& take) { for_each_child(n, [&](std::size_t c) { take(left[c]); }); });
             out[n] = left[n].cell;
-        }
+        });
         return out;
     }
 
   private:
     static constexpr std::uint32_t no_holder = std::numeric_limits<std::uint32_t>::max();
+    using Buffers = std::vector<std::vector<std::uint32_t>>;
 
-    struct List {
+    /// Primitives somewhere in the buffers.
+    struct Slice {
+        std::uint32_t buffer = 0, count = 0;
         std::size_t first = 0;
-        std::uint32_t count = 0;
+        std::span<const std::uint32_t> in(const Buffers& buffers) const {
+            return std::span(buffers[buffer]).subspan(first, count);
+        }
+    };
+    struct List {
+        Slice least, run;
         std::uint32_t sampled = 0;  ///< those of its sample that the node has kept
-        /// Positions that the node held before anything moved. Its own fields change while items are put in order.
-        std::uint32_t first_own = 0, own = 0;
         SampleList about;
     };
+
+    /// Calls f(begin, end, buffer) for parts of a level, each with a buffer of its own.
+    template <class F>
+    void in_chunks(std::size_t level, F&& f) {
+        constexpr std::size_t chunk = 256;
+        const std::size_t begin = level == 0 ? 0 : levels_[level - 1], end = levels_[level];
+        const std::size_t chunks = (end - begin + chunk - 1) / chunk, first_buffer = buffers_.size();
+        buffers_.resize(first_buffer + chunks);
+        control_.run_quietly(chunks, [&](std::size_t i) {
+            const std::size_t from = begin + i * chunk, to = std::min(from + chunk, end);
+            f(from, to, buffers_[first_buffer + i]);
+        });
+    }
+    Slice kept_slice(std::vector<std::uint32_t>& kept, std::size_t first) const {
+        return {std::uint32_t(&kept - buffers_.data()), std::uint32_t(kept.size() - first), first};
+    }
 
     template <class F>
     void for_each_child(std::size_t n, F&& f) const {
         const BuildNode_& node = nodes_[n];
         for (int c = 0; c < std::popcount(node.child_mask); ++c) f(node.first_child + std::size_t(c));
     }
-    std::span<const std::uint32_t> list(std::size_t n) const {
-        return std::span(listed_).subspan(lists_[n].first, lists_[n].count);
+    /// Before anything moves.
+    std::span<const std::uint32_t> own(const BuildNode_& node) const {
+        return order_.subspan(node.first_item, node.count);
     }
 
-    void make_list(std::size_t n) {
+    void make_list(std::size_t n, std::vector<std::uint32_t>& list, std::vector<std::uint32_t>& kept) {
         const BuildNode_& node = nodes_[n];
         std::array<typename SampleRace<A>::Child, 8> children;
         std::size_t count = 0;
-        for_each_child(n, [&](std::size_t child) { children[count++] = {list(child), lists_[child].about}; });
-        List& l = lists_[n];
-        l.first_own = node.first_item;
-        l.own = std::uint32_t(node.count);
-        l.about = race_.make_list(
-            node.cell, order_.subspan(l.first_own, l.own), {children.data(), count},
-            [&](auto&& add) { add(order_.subspan(node.first_item, node.end_item - node.first_item)); }, candidates_);
-        l.first = listed_.size();
-        l.count = std::uint32_t(candidates_.size());
-        listed_.insert(listed_.end(), candidates_.begin(), candidates_.end());
+        for_each_child(n, [&](std::size_t child) {
+            children[count++] = {lists_[child].least.in(buffers_), lists_[child].about};
+        });
+        lists_[n].about = race_.make_list(
+            node.cell, own(node), {children.data(), count},
+            [&](auto&& add) { add(order_.subspan(node.first_item, node.end_item - node.first_item)); }, list);
+        const std::size_t first = kept.size();
+        kept.insert(kept.end(), list.begin(), list.end());
+        lists_[n].least = kept_slice(kept, first);
     }
 
-    void give_to_highest() {
-        holder_.assign(order_.size(), no_holder);
-        for (std::size_t n = 0; n < nodes_.size(); ++n) {
-            for (const std::uint32_t p : list(n)) {
-                if (holder_[p] == no_holder) holder_[p] = std::uint32_t(n);
-            }
+    void hold(std::size_t n, std::vector<std::uint32_t>& kept) {
+        List& l = lists_[n];
+        const std::size_t first = kept.size();
+        const std::span<const std::uint32_t> least = l.least.in(buffers_);
+        for (std::size_t i = 0; i < least.size(); ++i) {
+            if (holder_[least[i]] != no_holder) continue;
+            holder_[least[i]] = std::uint32_t(n);
+            kept.push_back(least[i]);
+            l.sampled += i < l.about.sample;
         }
+        for (const std::uint32_t p : own(nodes_[n])) {
+            if (holder_[p] == no_holder) kept.push_back(p);
+        }
+        l.run = kept_slice(kept, first);
     }
 
     const SampleRace<A>& race_;
     std::span<const BuildNode_> nodes_;
     std::span<const std::uint32_t> order_;
+    const BuildControl& control_;
+    std::vector<std::size_t> levels_;  ///< where each ends
 
-    std::vector<List> lists_;                ///< by node
-    std::vector<std::uint32_t> listed_;      ///< primitives
-    std::vector<std::uint32_t> candidates_;  ///< of one node
-    std::vector<std::uint32_t> holder_;      ///< by primitive: the node whose sample it is in
+    std::vector<List> lists_;  ///< by node
+    Buffers buffers_;
+    std::vector<std::uint32_t> holder_;  ///< by primitive: the node whose sample it is in
 };
 
 }  // namespace farfield::detail
