@@ -1,6 +1,8 @@
 #include "farfield/approximation/cell_faces.hpp"
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "catch.hpp"
 #include "support/random.hpp"
@@ -80,4 +82,21 @@ TEST_CASE("a splat of opaque faces is opaque, and no more than that", "[approxim
         CHECK(opacity <= 1);
         CHECK(opacity > 1 - 1e-6f);
     }
+}
+
+TEST_CASE("the unit of a cell's length is the power of two above its side, for every side", "[approximation]") {
+    int wrong = 0;
+    for (std::uint32_t bits = 0; bits < 0x7f800000u; bits += 0x3ff7) {
+        Cell cell;
+        cell.half = glm::vec3(std::bit_cast<float>(bits));
+        const float side = cell.largest_side();
+        if (std::isfinite(side) && side > 0) {
+            const float unit = length_unit(cell);
+            const bool is_within = side < 0x1p126f && side >= 0x1p-127f;
+            wrong += is_within && !(unit > side && 0.5f * unit <= side);
+            wrong += !is_within && unit != (side >= 1 ? 0x1p126f : 0x1p-126f);
+        }
+    }
+    CHECK(wrong == 0);
+    CHECK(length_unit(Cell{}) == 1);
 }

@@ -50,13 +50,22 @@ glm::vec<3, T> scaled_to_one(const glm::vec<3, T>& v) {
     return detail::times_power_of_two(v, -exponent_of(detail::largest_component(v)));
 }
 
+namespace detail {
+
+/// Not inlined, so that the common case is.
+template <class T>
+[[gnu::noinline]] T length_by_scaling(const glm::vec<3, T>& v) {
+    const glm::vec<3, T> one = scaled_to_one(v);
+    return std::ldexp(std::sqrt(glm::dot(one, one)), exponent_of(largest_component(v)));
+}
+
+}  // namespace detail
+
 /// The length of a finite vector, as long as the length itself is a number.
 template <class T>
 T length_of(const glm::vec<3, T>& v) {
     const T square = glm::dot(v, v);
-    if (detail::squares_are_exact(square)) return std::sqrt(square);
-    const glm::vec<3, T> one = scaled_to_one(v);
-    return std::ldexp(std::sqrt(glm::dot(one, one)), exponent_of(detail::largest_component(v)));
+    return detail::squares_are_exact(square) ? std::sqrt(square) : detail::length_by_scaling(v);
 }
 
 /// The unit vector in the direction of a finite vector other than 0.
