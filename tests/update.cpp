@@ -275,8 +275,8 @@ TEST_CASE("an update that is refused leaves the version before, and the next one
         goes_on = true;
         for (std::uint32_t i = 0; i < 3; ++i) {
             Triangles& now = i == 1 ? others : primitives;
-            const std::size_t before = stopped.hierarchy().primitive_count();
-            std::vector<std::uint32_t> all(std::min(before, now.size()));
+            const std::size_t last = stopped.hierarchy().primitive_count();
+            std::vector<std::uint32_t> all(std::min(last, now.size()));
             std::iota(all.begin(), all.end(), 0u);
             CHECK(difference(stopped.update(now, all), build<H>(now, options)) == nullptr);
         }
