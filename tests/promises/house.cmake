@@ -69,7 +69,7 @@ tested_by(approximation/image_cache frame/image_chooser frame/image_maker raster
           raster/samples/sliced_buffers)
 tested_by(build/cell_splitter build/build_node build/cell_decision)
 tested_by(build/move_up build/sample_race)
-tested_by(update build/cell_tree)
+tested_by(update build/cell_tree build/kept_cells build/kept_stand_ins build/version_before)
 tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
 tested_by(renderer/z_buffer_renderer raster/render_options)
 # Parts that mean little by themselves are tested by what they are parts of, mostly against brute force.
