@@ -142,14 +142,13 @@ class ImageMaker {
         float making = 0;
         std::size_t made = 0;
         for (const WantedImage<ImageMaker>& wanted : wanted_) {
-            // What has just come into sight may be hidden, and then its image is of no use: it is drawn first where
-            // there is much of it, which tells.
+            const float more = std::max(0.0f, wanted.making_price - wanted.contents_price);
+            const float after = making + wanted.making_price;
+            if (made == options.most_made || more > overhead || after > options.most_making) continue;
+            // What has just come into sight may be hidden, and then its image is of no use. Where there is much of it,
+            // it is drawn first, which tells.
             const bool may_be_hidden = R::facts.answers_hidden && wanted.is_new && !chooser.is_afresh();
-            const float more =
-                may_be_hidden ? wanted.making_price : std::max(0.0f, wanted.making_price - wanted.contents_price);
-            if (made == options.most_made || more > overhead || making + wanted.making_price > options.most_making) {
-                continue;
-            }
+            if (may_be_hidden && after > 2 * chooser.usual_making()) continue;
             if (!make(wanted)) continue;
             overhead -= more;
             making += wanted.making_price;
