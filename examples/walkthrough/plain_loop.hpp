@@ -14,8 +14,8 @@ namespace walkthrough {
 
 class PlainLoop {
   public:
-    /// Nothing is copied but the triangles of groups, each once. Of the root's placements so many are drawn that no
-    /// more than about `most_triangles` are; the rest is counted.
+    /// Nothing is copied but the triangles of groups, each once. Of instances so many are drawn that no more than
+    /// about `most_triangles` are; the rest is counted.
     PlainLoop(const farfield::scenes::Scene& scene, int samples, std::uint64_t most_triangles = 32'000'000);
     ~PlainLoop();
 

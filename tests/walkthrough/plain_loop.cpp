@@ -53,6 +53,15 @@ TEST_CASE("of more triangles than may be drawn an even part is, and said") {
     CHECK(loop.triangles() == 10'000);
     CHECK(loop.drawn_triangles() >= 490);
     CHECK(loop.drawn_triangles() <= 510);
+    // Instances of instances, few of which are the root's own.
+    scenes::Scene nested = row_of_triangles(10'000);
+    nested.groups.push_back({{}, {{1, glm::mat4(1)}, {1, glm::translate(glm::mat4(1), glm::vec3(0, 9, 0))}}});
+    PlainLoop both(nested, 1, 500);
+    CHECK(both.triangles() == 20'000);
+    CHECK(both.drawn_triangles() >= 490);
+    CHECK(both.drawn_triangles() <= 510);
+    CHECK(PlainLoop(nested, 1, 1).drawn_triangles() > 0);
+    CHECK(both.ms(along_z(2.5)) > 0);
     CHECK(PlainLoop::draws(1));
     CHECK(PlainLoop::draws(64));
     CHECK(!PlainLoop::draws(16));

@@ -132,7 +132,7 @@ float log2_of_growth(const H& h, const Subtree& subtree) {
 inline constexpr float least_gain = 1.5f;
 
 /// Whether point sampling the subtree's primitives costs less than the stand-ins that would be drawn for it, down to
-/// cells that are small enough by the tolerance and, from three levels above these on, by what they are expected to
+/// cells that are small enough by the tolerance and, from two levels above these on, by what they are expected to
 /// err, if they are covered as this one is. (The contents of a tree's crown are the thinner the smaller the cells.) For
 /// three cells that are drawn four are visited. Above two samples a stand-in takes the longer the larger it is, and one
 /// that is no splat then is drawn as faces.
@@ -162,7 +162,7 @@ bool is_cheaper_exactly(const E& e, const Subtree& subtree) {
         const float larger = samples_wide <= 2 ? 1.0f : DrawsPlaced<A> ? 0.5f * samples_wide : 1 + 0.75f * samples_wide;
         return least_gain * rough_exp2(std::min(growth * halvings, 60.0f)) * stand_in * larger;
     };
-    constexpr float most_halvings_judged = 3;
+    constexpr float most_halvings_judged = 2;
     if constexpr (E::hierarchy_type::approximation_type::facts.expects_error) {
         if (subtree.has_stand_in() && cost() < most) {
             const float covered = covered_part(e, subtree), its = exact(covered);
