@@ -1,7 +1,7 @@
 // The layout of a hierarchy's file, and the questions that policies must answer to be stored.
 //
-// This is version 5, whose fingerprints are sums over primitives. Numbers are in the byte order of the machine that wrote
-// them, which `byte_order` tells; a machine of the other order refuses the file.
+// This is version 5, whose fingerprints are sums over primitives. Numbers are in the byte order of the machine that
+// wrote them, which `byte_order` tells; a machine of the other order refuses the file.
 //
 //     0    FileHeader, 664 bytes
 //     704  sections, each at the next multiple of 64 bytes; bytes between them are 0; nothing follows the last

@@ -212,10 +212,10 @@ class SampleBuffers {
         const Floats color = __builtin_convertvector(std::bit_cast<Bytes>(behind), Floats);
         const FarSamples::Sample* s = far_.over(depth, x, y);
         if (s == nullptr) return color;
-        Floats far = std::bit_cast<Floats>(*s);
-        const Floats transmittance = Floats{} + far[3];
-        far[3] = 1 - far[3];
-        return far * 255.0f + color * transmittance;
+        Floats deposited = std::bit_cast<Floats>(*s);
+        const Floats transmittance = Floats{} + deposited[3];
+        deposited[3] = 1 - deposited[3];
+        return deposited * 255.0f + color * transmittance;
     }
     static Rgba8 rounded(Floats v) {
         v += 0.5f;
