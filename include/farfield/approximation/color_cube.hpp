@@ -18,6 +18,8 @@
 
 #include "farfield/approximation.hpp"
 #include "farfield/approximation/cell_faces.hpp"
+#include "farfield/approximation/color_cube/cube_lanes.hpp"
+#include "farfield/approximation/placed/placed_splats.hpp"
 
 namespace farfield {
 
@@ -165,6 +167,51 @@ struct ColorCube {
             }
             return;
         }
+        draw_splat(data, cell, faces, view, sink);
+    }
+
+    // Many at once: see DrawsPlaced in approximation.hpp.
+
+    static constexpr std::size_t words_placed = PlacedCube::words;
+    /// Not those that are drawn as faces.
+    bool places(const Cell& cell, const LocalView& view, float splat_limit_px) const {
+        return is_small(cell.center, cell.largest_side(), view, splat_limit_px);
+    }
+    void place(const stand_in_data& data, const Cell& cell, std::uint32_t* words) const {
+        const auto put = [&](std::size_t i, auto word) {
+            words[i * PlacedCube::stride] = std::bit_cast<std::uint32_t>(word);
+        };
+        for (int axis = 0; axis < 3; ++axis) {
+            put(PlacedCube::center + std::size_t(axis), cell.center[axis]);
+            put(PlacedCube::half + std::size_t(axis), cell.half[axis]);
+        }
+        for (std::size_t side = 0; side < 6; ++side) put(PlacedCube::colors + side, data[side]);
+    }
+    template <class Sink>
+    void draw_placed(const std::uint32_t* words, std::size_t count, const LocalView& view, Sink&& sink) const {
+        const auto fill = [&](auto splats_of, std::size_t first, std::size_t n, PlacedSplats& out) {
+            return splats_of(words + first, n, view, out);
+        };
+        const auto one = [&](std::size_t i, auto&& to) {
+            const auto word = [&](std::size_t at) { return words[at * PlacedCube::stride + i]; };
+            Cell cell;
+            stand_in_data data;
+            for (int axis = 0; axis < 3; ++axis) {
+                cell.center[axis] = std::bit_cast<float>(word(PlacedCube::center + std::size_t(axis)));
+                cell.half[axis] = std::bit_cast<float>(word(PlacedCube::half + std::size_t(axis)));
+            }
+            for (std::size_t side = 0; side < 6; ++side) {
+                data[side] = std::bit_cast<Rgba8>(word(PlacedCube::colors + side));
+            }
+            draw_splat(data, cell, VisibleFaces(cell, view), view, to);
+        };
+        detail::draw_placed(detail::cube_kernels, count, fill, one, sink);
+    }
+
+  private:
+    template <class Sink>
+    static void draw_splat(const stand_in_data& data, const Cell& cell, const VisibleFaces& faces,
+                           const LocalView& view, Sink&& sink) {
         float footprint = 0;
         glm::vec4 sum(0);
         for (int i = 0; i < faces.count; ++i) {
@@ -175,7 +222,6 @@ struct ColorCube {
         if (sum.w > 0) sink(splat_of(cell.center, footprint, length_unit(cell), sum, view));
     }
 
-  private:
     using Octants = std::array<const stand_in_draft*, 8>;
     static Octants octants_of(std::span<const ChildDraft<stand_in_draft>> children) {
         Octants octants{};

@@ -27,6 +27,7 @@
 #include "farfield/approximation/opacity_tensor/area_sums.hpp"
 #include "farfield/approximation/opacity_tensor/fit.hpp"
 #include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
+#include "farfield/approximation/placed/placed_splats.hpp"
 
 namespace farfield {
 
@@ -166,29 +167,12 @@ struct OpacityTensor {
     }
     template <class Sink>
     void draw_placed(const std::uint32_t* words, std::size_t count, const LocalView& view, Sink&& sink) const {
-        const detail::TensorKernel& kernel = detail::TensorKernel::chosen();
         const TensorOptions options{closed_surfaces, counts_overlap, closed_surfaces ? closed_sheet_gain : sheet_gain};
-        TensorSplats out;
-        for (std::size_t first = 0; first < count; first += kernel.lanes) {
-            const std::size_t n = std::min(kernel.lanes, count - first);
-            if (!kernel.splats_of(words + first, n, view, options, out)) {
-                for (std::size_t i = first; i < first + n; ++i) {
-                    draw_one_placed(words + i, view, [&](const Splat& splat) { send(sink, splat, i); });
-                }
-                continue;
-            }
-            for (std::size_t i = 0; i < n; ++i) {
-                if (out.is_drawn[i] == 0) continue;
-                const std::uint32_t rgb = out.rgb[i];
-                send(sink,
-                     Splat{
-                         {out.x[i], out.y[i], out.z[i]},
-                         {out.width[i], out.height[i]},
-                         out.opacity[i],
-                         {std::uint8_t(rgb), std::uint8_t(rgb >> 8), std::uint8_t(rgb >> 16), std::uint8_t(rgb >> 24)}},
-                     first + i);
-            }
-        }
+        const auto fill = [&](auto splats_of, std::size_t first, std::size_t n, PlacedSplats& out) {
+            return splats_of(words + first, n, view, options, out);
+        };
+        const auto one = [&](std::size_t i, auto&& to) { draw_one_placed(words + i, view, to); };
+        detail::draw_placed(detail::tensor_kernels, count, fill, one, sink);
     }
 
     /// Three rectangles that cross, as opaque as the contents are along their normals. Turned with an instance, their
@@ -218,15 +202,6 @@ struct OpacityTensor {
         const glm::vec3 rgb = seen.rgb + 0.5f;
         sink(Splat{center, size * unit, std::min(gain * part, 1.0f),
                    Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});
-    }
-
-    template <class Sink>
-    static void send(Sink&& sink, const Splat& splat, std::size_t i) {
-        if constexpr (requires { sink(splat, i); }) {
-            sink(splat, i);
-        } else {
-            sink(splat);
-        }
     }
 
     template <class Sink>

@@ -69,6 +69,8 @@ class DrawNow {
             bool is_placed = queue_.splat_limit_px() > 0 && weight == 1;
             if constexpr (requires { policy.places(v.view, 0.0f); }) {
                 is_placed = is_placed && policy.places(v.view, queue_.splat_limit_px());
+            } else if constexpr (requires { policy.places(subtree.cell, v.view, 0.0f); }) {
+                is_placed = is_placed && policy.places(subtree.cell, v.view, queue_.splat_limit_px());
             }
             if (is_placed) {
                 return queue_.add_placed(v.source, v.view, policy, h.stand_ins()[subtree.stand_in], subtree.cell);

@@ -159,7 +159,9 @@ bool is_cheaper_exactly(const E& e, const Subtree& subtree) {
     const auto cost = [&] {
         using A = typename E::hierarchy_type::approximation_type;
         const float samples_wide = side * std::sqrt(float(e.view.wanted.samples));
-        const float larger = samples_wide <= 2 ? 1.0f : DrawsPlaced<A> ? 0.5f * samples_wide : 1 + 0.75f * samples_wide;
+        const float larger = samples_wide <= 2     ? 1.0f
+                             : DrawsLargePlaced<A> ? 0.5f * samples_wide
+                                                   : 1 + 0.75f * samples_wide;
         return least_gain * rough_exp2(std::min(growth * halvings, 60.0f)) * stand_in * larger;
     };
     constexpr float most_halvings_judged = 2;

@@ -1,13 +1,14 @@
 // Several tensors at once give the splats that each gives alone, bit by bit.
 #include "farfield/approximation/opacity_tensor/appearance_lanes.hpp"
 
-#include <cstring>
-#include <limits>
-#include <utility>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "catch.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
+#include "support/placed.hpp"
 #include "support/random.hpp"
 #include "support/views.hpp"
 
@@ -16,10 +17,7 @@ using namespace farfield::test;
 
 namespace {
 
-struct Placed {
-    StoredTensor data;
-    Cell cell;
-};
+using Tensors = std::vector<Placed<OpacityTensor>>;
 
 /// Whatever bits may be stored; one in eight is what no contents gave.
 StoredTensor random_tensor(Random& random) {
@@ -35,66 +33,15 @@ StoredTensor random_tensor(Random& random) {
     return t;
 }
 
-Cell random_cell(Random& random, float size) {
-    Cell cell;
-    cell.center = random.in_cube(1) * size;
-    cell.half = glm::vec3(random.between(0.01f, 0.2f), random.between(0.01f, 0.2f), random.between(0.01f, 0.2f)) * size;
-    cell.bounds_center = cell.center + random.in_cube(0.01f) * size;
-    cell.bounds_half = cell.half * random.between(0.5f, 1.5f);
-    return cell;
-}
-
-struct Sink {
-    std::vector<Splat>& splats;
-    float splat_limit_px = 2;
-    void operator()(const Face&) const { FAIL("a face"); }
-    void operator()(const Splat& s) const { splats.push_back(s); }
-};
-
-bool are_same(const std::vector<Splat>& a, const std::vector<Splat>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Splat)) == 0);
-}
-
-std::vector<std::uint32_t> words_of(const OpacityTensor& policy, const std::vector<Placed>& all) {
-    std::vector<std::uint32_t> words(PlacedTensor::words * PlacedTensor::stride, 0x7fffffffu);  // NaN behind the last
-    for (std::size_t i = 0; i < all.size(); ++i) policy.place(all[i].data, all[i].cell, words.data() + i);
-    return words;
-}
-
-using Kernel = decltype(detail::TensorKernel::splats_of);
-
-/// As OpacityTensor::draw_placed, for each width that the processor has. False: a width gave other bits.
-bool widths_agree(const OpacityTensor& policy, const std::vector<Placed>& all, const LocalView& view,
+bool widths_agree(const OpacityTensor& policy, const Tensors& all, const LocalView& view,
                   const std::vector<Splat>& expected, bool& was_refused) {
-    std::vector<std::pair<Kernel, std::size_t>> kernels{{detail::four_tensors::splats_of, 4}};
-#if defined(__x86_64__)
-    if (detail::lanes_for(Simd::automatic) >= 8) kernels.emplace_back(detail::eight_tensors::splats_of, 8);
-#endif
     const std::vector<std::uint32_t> words = words_of(policy, all);
     const TensorOptions options{policy.closed_surfaces, policy.counts_overlap,
                                 policy.closed_surfaces ? policy.closed_sheet_gain : policy.sheet_gain};
-    for (const auto& [splats_of, lanes] : kernels) {
-        std::vector<Splat> found;
-        for (std::size_t first = 0; first < all.size(); first += lanes) {
-            TensorSplats out;
-            const std::size_t n = std::min(lanes, all.size() - first);
-            if (!splats_of(words.data() + first, n, view, options, out)) {
-                was_refused = true;
-                return true;
-            }
-            for (std::size_t i = 0; i < n; ++i) {
-                if (out.is_drawn[i] == 0) continue;
-                const std::uint32_t c = out.rgb[i];
-                found.push_back(
-                    {{out.x[i], out.y[i], out.z[i]},
-                     {out.width[i], out.height[i]},
-                     out.opacity[i],
-                     {std::uint8_t(c), std::uint8_t(c >> 8), std::uint8_t(c >> 16), std::uint8_t(c >> 24)}});
-            }
-        }
-        if (!are_same(found, expected)) return false;
-    }
-    return true;
+    return test::widths_agree(detail::tensor_kernels, all.size(), expected, was_refused,
+                              [&](auto splats_of, std::size_t first, std::size_t n, PlacedSplats& out) {
+                                  return splats_of(words.data() + first, n, view, options, out);
+                              });
 }
 
 /// The derived policy draws nothing: who draws otherwise must not be bypassed.
@@ -103,7 +50,7 @@ struct Silent : OpacityTensor {
     void draw_stand_in(const stand_in_data&, const Cell&, const LocalView&, Sink&&) const {}
 };
 struct Renamed : OpacityTensor {};
-static_assert(detail::DrawsPlaced<OpacityTensor> && detail::DrawsPlaced<Renamed>);
+static_assert(detail::DrawsLargePlaced<OpacityTensor> && detail::DrawsLargePlaced<Renamed>);
 static_assert(!detail::DrawsPlaced<Silent>);
 
 }  // namespace
@@ -117,15 +64,17 @@ TEST_CASE("tensors drawn together are those drawn one by one", "[approximation]"
         policy.closed_surfaces = random.below(2) == 0;
         policy.counts_overlap = random.below(4) != 0;
         const float size = round % 8 == 0 ? std::ldexp(1.0f, int(random.below(160)) - 80) : 1.0f;
-        std::vector<Placed> all(1 + random.below(round % 50 == 0 ? 255 : 20));
-        for (Placed& p : all) p = {random_tensor(random), random_cell(random, size)};
+        Tensors all(1 + random.below(round % 50 == 0 ? 255 : 20));
+        for (auto& p : all) p = {random_tensor(random), random_cell(random, size)};
         const glm::dvec3 eye = glm::dvec3(random.in_cube(3)) * double(size);
         const View view = round % 3 == 0 ? looking_orthographic(eye, {0, 0, 0}) : looking(eye, {0, 0, 0});
         const LocalView local(view, glm::dvec3(0), 4 * size);
         std::vector<Splat> one_by_one, together;
-        for (const Placed& p : all) policy.draw_stand_in(p.data, p.cell, local, Sink{one_by_one});
+        const SplatSink sink{one_by_one};
+        for (const auto& p : all) policy.draw_stand_in(p.data, p.cell, local, sink);
+        CHECK(sink.is_splat);
         const std::vector<std::uint32_t> words = words_of(policy, all);
-        policy.draw_placed(words.data(), all.size(), local, Sink{together});
+        policy.draw_placed(words.data(), all.size(), local, SplatSink{together});
         CHECK(are_same(together, one_by_one));
         bool was_refused = false;
         CHECK(widths_agree(policy, all, local, one_by_one, was_refused));
@@ -148,11 +97,13 @@ TEST_CASE("a tensor in the eye, behind it or beside it", "[approximation]") {
     cell.half = cell.bounds_half = glm::vec3(0.5f);
     for (const glm::dvec3 eye : {glm::dvec3(0, 0, 5), glm::dvec3(0, 0, 1e-3), glm::dvec3(0), glm::dvec3(0, 0, -5)}) {
         const LocalView local(looking(eye, eye - glm::dvec3(0, 0, 1)), glm::dvec3(0), 2);
-        const std::vector<Placed> all(7, {data, cell});
+        const Tensors all(7, {data, cell});
         std::vector<Splat> one_by_one, together;
-        for (const Placed& p : all) policy.draw_stand_in(p.data, p.cell, local, Sink{one_by_one});
+        const SplatSink sink{one_by_one};
+        for (const auto& p : all) policy.draw_stand_in(p.data, p.cell, local, sink);
+        CHECK(sink.is_splat);
         const std::vector<std::uint32_t> words = words_of(policy, all);
-        policy.draw_placed(words.data(), all.size(), local, Sink{together});
+        policy.draw_placed(words.data(), all.size(), local, SplatSink{together});
         CHECK(are_same(together, one_by_one));
         CHECK(one_by_one.size() == (eye.z > 0 ? 7 : 0));
     }

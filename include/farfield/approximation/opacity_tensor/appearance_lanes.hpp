@@ -1,4 +1,4 @@
-// Compiles what opacity tensors look like for one and for several at once, and chooses at run time.
+// Compiles what opacity tensors look like for one and for several at once.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -14,6 +14,7 @@
 
 #include "farfield/approximation.hpp"
 #include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
+#include "farfield/approximation/placed/placed_splats.hpp"
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/length.hpp"
 #include "farfield/simd.hpp"
@@ -32,14 +33,6 @@ struct PlacedTensor {
 struct TensorOptions {
     bool closed_surfaces, counts_overlap;
     float sheet_gain;
-};
-
-/// The lanes of several Splats. A color has the first channel in its lowest byte.
-struct TensorSplats {
-    static constexpr std::size_t most = 8;
-    float x[most], y[most], z[most], width[most], height[most], opacity[most];
-    std::uint32_t rgb[most];
-    std::int32_t is_drawn[most];
 };
 
 namespace detail {
@@ -66,24 +59,11 @@ namespace eight_tensors {
 }
 #undef FARFIELD_LANES
 FARFIELD_END_LANES
+#else
+namespace eight_tensors = four_tensors;  // lanes_for() has no eight there
 #endif
 
-/// Fills in the splats of as many tensors as `lanes` says, or of `count`, if that is less.
-struct TensorKernel {
-    bool (*splats_of)(const std::uint32_t* placed, std::size_t count, const LocalView& view,
-                      const TensorOptions& options, TensorSplats& out);
-    std::size_t lanes;
-
-    static const TensorKernel& chosen() {
-        static const TensorKernel kernel = [] {
-#if defined(__x86_64__)
-            if (lanes_for(Simd::automatic) >= 8) return TensorKernel{eight_tensors::splats_of, 8};
-#endif
-            return TensorKernel{four_tensors::splats_of, 4};
-        }();
-        return kernel;
-    }
-};
+inline constexpr PlacedKernels tensor_kernels{&four_tensors::splats_of, &eight_tensors::splats_of};
 
 }  // namespace detail
 

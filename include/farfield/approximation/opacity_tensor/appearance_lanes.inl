@@ -2,21 +2,10 @@
 // appearance_lanes.hpp. There are no include guards; FARFIELD_LANES must be 1, 4 or 8. All widths compute the same
 // bits.
 
+#include "farfield/approximation/placed/placed_lanes.inl"
+
 #if FARFIELD_LANES == 1
-using Floats = float;
-using Words = std::uint32_t;
-using Mask = bool;
-using Vector = glm::vec3;
 using Tensors = TensorShape;
-inline bool any(bool mask) {
-    return mask;
-}
-inline float absolute(float v) {
-    return std::abs(v);
-}
-inline float root_of(float v) {
-    return std::sqrt(v);
-}
 inline bool is_coherent(const TensorShape& t) {
     return t.law == AreaLaw::coherent;
 }
@@ -24,20 +13,6 @@ inline bool is_mixed(const TensorShape& t) {
     return t.law == AreaLaw::mixed;
 }
 #else
-typedef float Floats __attribute__((vector_size(4 * FARFIELD_LANES)));
-typedef std::uint32_t Words __attribute__((vector_size(4 * FARFIELD_LANES)));
-typedef std::int32_t Mask __attribute__((vector_size(4 * FARFIELD_LANES)));
-struct Vector {
-    Floats x, y, z;
-
-    FARFIELD_INLINE friend Vector operator+(const Vector& a, const Vector& b) {
-        return {a.x + b.x, a.y + b.y, a.z + b.z};
-    }
-    FARFIELD_INLINE friend Vector operator-(const Vector& a, const Vector& b) {
-        return {a.x - b.x, a.y - b.y, a.z - b.z};
-    }
-    FARFIELD_INLINE friend Vector operator*(const Vector& a, const Floats& b) { return {a.x * b, a.y * b, a.z * b}; }
-};
 /// The lanes of several TensorShapes.
 struct Tensors {
     Floats root[6];
@@ -45,29 +20,6 @@ struct Tensors {
     Words law;
 };
 
-FARFIELD_INLINE bool any(const Mask& mask) {
-#if FARFIELD_LANES == 8
-    return _mm256_movemask_ps(reinterpret_cast<__m256>(mask)) != 0;
-#else
-    std::uint64_t half[2];
-    __builtin_memcpy(half, &mask, sizeof half);
-    return (half[0] | half[1]) != 0;
-#endif
-}
-FARFIELD_INLINE Floats absolute(const Floats& v) {
-    return reinterpret_cast<Floats>(reinterpret_cast<Words>(v) & 0x7fffffffu);
-}
-FARFIELD_INLINE Floats root_of(const Floats& v) {
-#if FARFIELD_LANES == 8
-    return reinterpret_cast<Floats>(_mm256_sqrt_ps(reinterpret_cast<__m256>(v)));
-#elif defined(__SSE2__)
-    return reinterpret_cast<Floats>(_mm_sqrt_ps(reinterpret_cast<__m128>(v)));
-#else
-    Floats root;
-    for (int i = 0; i < FARFIELD_LANES; ++i) root[i] = std::sqrt(v[i]);
-    return root;
-#endif
-}
 FARFIELD_INLINE Mask is_coherent(const Tensors& t) {
     return t.law == std::uint32_t(AreaLaw::coherent);
 }
@@ -75,29 +27,6 @@ FARFIELD_INLINE Mask is_mixed(const Tensors& t) {
     return t.law == std::uint32_t(AreaLaw::mixed);
 }
 #endif
-
-FARFIELD_INLINE Floats all_of(float v) {
-    return Floats{} + v;
-}
-FARFIELD_INLINE Vector all_of(const glm::vec3& v) {
-    return {all_of(v.x), all_of(v.y), all_of(v.z)};
-}
-/// The lesser and the greater; the first, if one is not a number.
-FARFIELD_INLINE Floats lesser(const Floats& a, const Floats& b) {
-    return b < a ? b : a;
-}
-FARFIELD_INLINE Floats greater(const Floats& a, const Floats& b) {
-    return a < b ? b : a;
-}
-FARFIELD_INLINE Floats dot(const Vector& a, const Vector& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-FARFIELD_INLINE Vector absolute(const Vector& v) {
-    return {absolute(v.x), absolute(v.y), absolute(v.z)};
-}
-FARFIELD_INLINE Vector times(const Vector& a, const Vector& b) {
-    return {a.x * b.x, a.y * b.y, a.z * b.z};
-}
 
 /// See appearance_lanes.hpp.
 FARFIELD_INLINE Floats area_seen_from(const Tensors& t, const Vector& w) {
@@ -212,12 +141,6 @@ FARFIELD_INLINE Size rectangle(const Tensors& t, const Vector& center, const Loc
 
 #if FARFIELD_LANES != 1
 
-FARFIELD_INLINE Floats as_floats(const Words& bits) {
-    return reinterpret_cast<Floats>(bits);
-}
-FARFIELD_INLINE Floats number_of(const Words& count, int less = 0) {
-    return __builtin_convertvector(reinterpret_cast<Mask>(count) - less, Floats);
-}
 /// Bits [at, at + count) of two words, the low one first.
 template <unsigned at, unsigned count>
 FARFIELD_INLINE Words bits_of(const Words& low, const Words& high) {
@@ -270,64 +193,30 @@ FARFIELD_INLINE void unpack(const Words w[PlacedTensor::words], Tensors& t) {
     t.law = w[3] >> 22 & 3u;
 }
 
-FARFIELD_INLINE Words channel(const Floats& v) {
-    return reinterpret_cast<Words>(__builtin_convertvector(v + 0.5f, Mask));
-}
-FARFIELD_INLINE void store(float* to, const Floats& v) {
-    __builtin_memcpy(to, &v, sizeof v);
-}
-
 /// Fills `out` with the splats of `count` placed tensors, FARFIELD_LANES at most. False: a length needs more care than
 /// is taken here, and nothing is filled.
 inline bool splats_of(const std::uint32_t* placed, std::size_t count, const LocalView& view,
-                      const TensorOptions& options, TensorSplats& out) {
+                      const TensorOptions& options, PlacedSplats& out) {
     Words w[PlacedTensor::words];
-    for (std::size_t i = 0; i < PlacedTensor::words; ++i) {
-        __builtin_memcpy(&w[i], placed + i * PlacedTensor::stride, sizeof w[i]);
-    }
+    for (std::size_t i = 0; i < PlacedTensor::words; ++i) w[i] = word_of(placed, i);
     Tensors t;
     unpack(w, t);
     const Floats unit = as_floats(w[PlacedTensor::unit]);
-    const Vector center =
-        Vector{as_floats(w[PlacedTensor::x]), as_floats(w[PlacedTensor::y]), as_floats(w[PlacedTensor::z])} +
-        t.center * unit;
-    const Vector from_eye = center - all_of(view.eye);
-    const Floats square = dot(from_eye, from_eye);
-    Words lane;
-    for (unsigned i = 0; i < FARFIELD_LANES; ++i) lane[i] = i;
-    const Mask is_there = lane < std::uint32_t(count);
-    // What length_of() of geometry/length.hpp scales.
-    if (any(is_there & ((square < 0x1p-60f) | (square > 0x1p120f)))) return false;
-    const Floats distance = root_of(square), depth = dot(from_eye, all_of(view.forward));
-    Vector towards;
-    Floats stretch = all_of(1.0f);
-    Mask is_drawn = is_there;
-    if (view.is_perspective) {
-        towards = all_of(view.eye) - center;
-        towards = {towards.x / distance, towards.y / distance, towards.z / distance};
-        is_drawn &= depth > 0.0f;
-        stretch = distance / depth;
-    } else {
-        towards = all_of(-view.forward / length_of(-view.forward));
-    }
+    const Vector center = vector_of(placed, PlacedTensor::x) + t.center * unit;
+    Sight sight;
+    if (!sight_of(center, count, view, sight)) return false;
+    const Vector& d = sight.towards;
+    const Vector towards{d.x / sight.distance, d.y / sight.distance, d.z / sight.distance};
     const Seen seen = seen_from(t, towards, options.closed_surfaces, options.counts_overlap);
-    is_drawn &= seen.area > 0.0f;
-    const Floats area = seen.area * stretch;
+    const Floats area = seen.area * sight.stretch;
     const Size size = rectangle(t, center, view, area);
     const Floats part = area / (size.x * size.y);
     const Vector& e = t.extent;
     const Floats second = greater(lesser(e.x, e.y), lesser(greater(e.x, e.y), e.z));
     const Mask gains = is_coherent(t) & (second * unit >= as_floats(w[PlacedTensor::reach]));
     const Floats opacity = lesser((gains ? all_of(options.sheet_gain) : all_of(1.0f)) * part, all_of(1.0f));
-    const Words rgb = channel(seen.rgb.x) | channel(seen.rgb.y) << 8 | channel(seen.rgb.z) << 16 | t.law << 24;
-    store(out.x, center.x);
-    store(out.y, center.y);
-    store(out.z, center.z);
-    store(out.width, size.x * unit);
-    store(out.height, size.y * unit);
-    store(out.opacity, opacity);
-    __builtin_memcpy(out.rgb, &rgb, sizeof rgb);
-    __builtin_memcpy(out.is_drawn, &is_drawn, sizeof is_drawn);
+    fill(out, center, size.x * unit, size.y * unit, opacity, seen.rgb + all_of(glm::vec3(0.5f)), t.law,
+         sight.is_seen & (seen.area > 0.0f));
     return true;
 }
 
