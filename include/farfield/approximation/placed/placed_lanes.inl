@@ -105,15 +105,14 @@ struct Sight {
 };
 /// False: a length needs more care than is taken here.
 FARFIELD_INLINE bool sight_of(const Vector& center, std::size_t count, const LocalView& view, Sight& out) {
-    const Vector from_eye = center - all_of(view.eye);
-    const Floats square = dot(from_eye, from_eye);
     Words lane;
     for (unsigned i = 0; i < FARFIELD_LANES; ++i) lane[i] = i;
     out.is_there = out.is_seen = lane < std::uint32_t(count);
-    // What length_of() of geometry/length.hpp scales.
-    if (any(out.is_there & ((square < 0x1p-60f) | (square > 0x1p120f)))) return false;
     if (view.is_perspective) {
-        const Floats depth = dot(from_eye, all_of(view.forward));
+        const Vector from_eye = center - all_of(view.eye);
+        const Floats square = dot(from_eye, from_eye), depth = dot(from_eye, all_of(view.forward));
+        // What length_of() of geometry/length.hpp scales.
+        if (any(out.is_there & ((square < 0x1p-60f) | (square > 0x1p120f)))) return false;
         out.towards = all_of(view.eye) - center;
         out.distance = root_of(square);
         out.stretch = out.distance / depth;
