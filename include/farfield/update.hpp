@@ -45,6 +45,19 @@ struct Changed {
     std::vector<Renumbered> renumbered{};
 };
 
+namespace detail {
+/// Sorts indices; throws std::invalid_argument if one is not below `count` or is there twice, in these words.
+inline void sort_named(std::vector<std::uint32_t>& indices, std::size_t count, const char* who, const char* too_large,
+                       const char* there_twice) {
+    std::sort(indices.begin(), indices.end());
+    if (!indices.empty() && indices.back() >= count) {
+        fail<std::invalid_argument>(who + std::to_string(indices.back()) + too_large + std::to_string(count));
+    }
+    const auto twice = std::adjacent_find(indices.begin(), indices.end());
+    if (twice != indices.end()) fail<std::invalid_argument>(who + std::to_string(*twice) + there_twice);
+}
+}  // namespace detail
+
 /// What becomes of primitives, by their indices before: those that go, those that are replaced (by themselves in
 /// another place, say), and those that are new.
 template <class P>
@@ -99,15 +112,8 @@ struct Change {
     std::vector<std::uint32_t> named(std::size_t count) const {
         std::vector<std::uint32_t> all = erased;
         for (const Moved& m : moved) all.push_back(m.index);
-        std::sort(all.begin(), all.end());
-        if (!all.empty() && all.back() >= count) {
-            detail::fail<std::invalid_argument>("farfield::Change: primitive " + std::to_string(all.back()) +
-                                                " is to be changed and there are " + std::to_string(count));
-        }
-        if (const auto twice = std::adjacent_find(all.begin(), all.end()); twice != all.end()) {
-            detail::fail<std::invalid_argument>("farfield::Change: primitive " + std::to_string(*twice) +
-                                                " is erased or moved twice");
-        }
+        detail::sort_named(all, count, "farfield::Change: primitive ", " is to be changed and there are ",
+                           " is erased or moved twice");
         return all;
     }
 };
@@ -153,15 +159,8 @@ class HierarchyUpdater {
         const std::size_t before = hierarchy_.primitive_count();
         const std::size_t fewer = std::min(before, primitives.size()), more = std::max(before, primitives.size());
         std::vector<std::uint32_t> all(changed.begin(), changed.end());
-        std::sort(all.begin(), all.end());
-        if (!all.empty() && all.back() >= more) {
-            detail::fail<std::invalid_argument>("farfield::HierarchyUpdater: primitive " + std::to_string(all.back()) +
-                                                " has changed, it is said, and there are " + std::to_string(more));
-        }
-        if (const auto twice = std::adjacent_find(all.begin(), all.end()); twice != all.end()) {
-            detail::fail<std::invalid_argument>("farfield::HierarchyUpdater: primitive " + std::to_string(*twice) +
-                                                " is named twice");
-        }
+        detail::sort_named(all, more, "farfield::HierarchyUpdater: primitive ",
+                           " has changed, it is said, and there are ", " is named twice");
         all.erase(std::lower_bound(all.begin(), all.end(), fewer), all.end());
         detail::check_primitive_count(primitives.size());
         for (std::size_t i = fewer; i < more; ++i) all.push_back(std::uint32_t(i));

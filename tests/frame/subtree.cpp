@@ -57,7 +57,9 @@ TEMPLATE_TEST_CASE("a walk over subtrees meets every node, position and stand-in
                 visit(child);
             }
             wrong_ends += at != s.end_item;
-            if (!children.empty()) wrong_ends += met - met_before != s.end_node - h.nodes()[s.node].first_child;
+            if (!children.empty())
+                wrong_ends +=
+                    met - met_before != detail::end_of_nodes_below(h.nodes(), s.node) - h.nodes()[s.node].first_child;
         };
         const Subtree whole = whole_of(h);
         CHECK(whole.node == 0);

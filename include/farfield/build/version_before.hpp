@@ -23,25 +23,19 @@ class VersionBefore {
     explicit VersionBefore(const Arrays& arrays) : before_(arrays) {}
 
     struct Subtree {
-        std::uint32_t node = none, end_node = 0, end_item = 0;
+        std::uint32_t node = none, end_item = 0;
         bool exists() const { return node != none; }
     };
     Subtree whole() const {
         if (before_.nodes.empty()) return {};
-        return {0, std::uint32_t(before_.nodes.size()), std::uint32_t(before_.order.size())};
+        return {0, std::uint32_t(before_.order.size())};
     }
     Subtree child(const Subtree& parent, unsigned c) const {
         if (!parent.exists() || (before_.nodes[parent.node].child_mask >> c & 1) == 0) return {};
         const Node& node = before_.nodes[parent.node];
         const auto rank = std::uint32_t(std::popcount(node.child_mask & ((1u << c) - 1)));
-        const std::uint32_t end = node.first_child + std::uint32_t(std::popcount(node.child_mask));
-        Subtree child{node.first_child + rank, parent.end_node, parent.end_item};
-        if (child.node + 1 < end) child.end_item = before_.nodes[child.node + 1].first_item;
-        for (std::uint32_t next = child.node + 1; next < end; ++next) {
-            if (before_.nodes[next].child_mask == 0) continue;
-            child.end_node = before_.nodes[next].first_child;
-            break;
-        }
+        Subtree child{node.first_child + rank, parent.end_item};
+        if ((node.child_mask >> c) > 1) child.end_item = before_.nodes[child.node + 1].first_item;
         return child;
     }
 
@@ -49,8 +43,10 @@ class VersionBefore {
     /// lies with those of its siblings, is not.
     void copy(const Subtree& old, bool has_stand_in, std::uint32_t at, Data& data) const {
         const Node& top = before_.nodes[old.node];
-        const auto below = top.child_mask == 0 ? std::span<const Node>()
-                                               : before_.nodes.subspan(top.first_child, old.end_node - top.first_child);
+        const auto below =
+            top.child_mask == 0
+                ? std::span<const Node>()
+                : before_.nodes.subspan(top.first_child, end_of_nodes_below(before_.nodes, old.node) - top.first_child);
         // Stand-ins below lie in one piece too, but in another order than nodes.
         std::uint32_t first_stand_in = none, stand_ins = 0;
         const auto look_at = [&](const Node& node) {

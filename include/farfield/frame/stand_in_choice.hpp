@@ -123,7 +123,7 @@ float log2_of_growth(const H& h, const Subtree& subtree) {
     const Node& node = h.nodes()[subtree.node];
     if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return 3;
     // Three of four nodes are on the last level.
-    const float last = 0.75f * float(subtree.end_node - node.first_child);
+    const float last = 0.75f * float(end_of_nodes_below(h.nodes(), subtree.node) - node.first_child);
     return std::clamp(rough_log2(std::max(last, 1.0f)) / float(node.stand_in_levels_below), 0.0f, 3.0f);
 }
 

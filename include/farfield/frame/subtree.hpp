@@ -24,7 +24,6 @@ struct Subtree {
     Cell cell;
     std::uint32_t node = 0;
     std::uint32_t end_item = 0;               ///< its positions end here; they begin with the node's own run
-    std::uint32_t end_node = 0;               ///< nodes below it end here; they begin with its first child
     std::uint32_t stand_in = no_stand_in;     ///< index into the hierarchy's stand_ins()
     PlaneMask crossed_planes = all_planes;    ///< those of the view that its bounds may cross
     PlaneMask crossed_borders = all_borders;  ///< those of a tile
@@ -37,7 +36,6 @@ Subtree whole_of(const H& hierarchy) {
     Subtree whole;
     whole.cell = hierarchy.root_cell();
     whole.end_item = hierarchy.item_count();
-    whole.end_node = std::uint32_t(hierarchy.nodes().size());
     if (hierarchy.root_stand_in() != nullptr) whole.stand_in = 0;
     return whole;
 }
@@ -64,9 +62,7 @@ FARFIELD_INLINE Subtree child_of(const H& hierarchy, const Subtree& parent, cons
                                  const typename H::node_data& node_data, unsigned child) {
     const unsigned below = (1u << child) - 1;
     const unsigned rank = bits_set[node.child_mask & below];
-    const std::uint32_t at = node.first_child + rank, end = node.first_child + bits_set[node.child_mask];
-    std::uint32_t next = at + 1;  // of siblings, with nodes below it
-    while (next != end && hierarchy.nodes()[next].first_child == 0) ++next;
+    const std::uint32_t at = node.first_child + rank;
     std::uint32_t stand_in = Subtree::no_stand_in;
     if constexpr (H::approximation_type::facts.stands_in) {
         if (node.stand_in_mask >> child & 1) stand_in = node.first_child_data + bits_set[node.stand_in_mask & below];
@@ -75,8 +71,7 @@ FARFIELD_INLINE Subtree child_of(const H& hierarchy, const Subtree& parent, cons
     // wait for it.
     return {.cell = hierarchy.partition_policy().child(parent.cell, node_data, child),
             .node = at,
-            .end_item = at + 1 < end ? hierarchy.nodes()[at + 1].first_item : parent.end_item,
-            .end_node = next != end ? hierarchy.nodes()[next].first_child : parent.end_node,
+            .end_item = rank + 1u < bits_set[node.child_mask] ? hierarchy.nodes()[at + 1].first_item : parent.end_item,
             .stand_in = stand_in,
             .crossed_planes = parent.crossed_planes,
             .crossed_borders = parent.crossed_borders};

@@ -3,7 +3,9 @@
 
 #include "farfield/settings.hpp"
 
+#include <bit>
 #include <cstdint>
+#include <span>
 
 #include "farfield/geometry/halvings.hpp"
 
@@ -45,6 +47,19 @@ namespace detail {
 /// The factor of the error of a stand-in that is drawn in place of those `levels_replaced` levels below it.
 inline float error_of_replaced_levels(const Node& node) {
     return two_to_the_minus(node.levels_replaced);
+}
+
+/// Where the nodes below a node end, which begin with its first child; 0 if there are none. The last of them lie below
+/// the last child that has any. A descent that kept the end in mind would compute it for every child, and few are
+/// asked.
+inline std::uint32_t end_of_nodes_below(std::span<const Node> nodes, std::uint32_t node) {
+    std::uint32_t end = 0;
+    while (nodes[node].child_mask != 0) {
+        const std::uint32_t first = nodes[node].first_child;
+        end = first + std::uint32_t(std::popcount(nodes[node].child_mask));
+        for (node = end - 1; node != first && nodes[node].child_mask == 0;) --node;
+    }
+    return end;
 }
 }  // namespace detail
 
