@@ -77,7 +77,7 @@ expect_refusal(--from "${DIRECTORY}/not_a_chart.csv")
 
 expect_success("${CHART}" --help)
 expect_success("${CHART}" --list)
-foreach(part IN ITEMS tree quadrupled-forest exact color-cube exact[+]masks exact[+]masks-by-table)
+foreach(part IN ITEMS tree quadrupled-forest exact color-cube exact[+]masks exact[+]masks-by-table ${STRICT})
   if(NOT out MATCHES "${part}")
     message(SEND_ERROR "--list does not tell about ${part}")
   endif()
