@@ -53,6 +53,19 @@ std::vector<std::uint32_t> words_of(const A& policy, const std::vector<Placed<A>
     return words;
 }
 
+/// The splats of all, one by one, if placed together they are the same.
+template <class A>
+std::optional<std::vector<Splat>> splats_either_way(const A& policy, const std::vector<Placed<A>>& all,
+                                                    const LocalView& view) {
+    std::vector<Splat> one_by_one, together;
+    const SplatSink sink{one_by_one};
+    for (const auto& p : all) policy.draw_stand_in(p.data, p.cell, view, sink);
+    const std::vector<std::uint32_t> words = words_of(policy, all);
+    policy.draw_placed(words.data(), all.size(), view, SplatSink{together});
+    if (!sink.is_splat || !are_same(together, one_by_one)) return std::nullopt;
+    return one_by_one;
+}
+
 /// What a kernel gives with that many lanes; nothing where it wants more care. fill(first, n, out) runs it.
 template <class Fill>
 std::optional<std::vector<Splat>> splats_by_lanes(std::size_t lanes, std::size_t count, Fill&& fill) {

@@ -133,15 +133,10 @@ TEST_CASE("a cube from each of the directions in which one, two or three faces a
             CAPTURE(i, is_orthographic);
             const glm::dvec3 eye = 5.0 * direction;
             const LocalView local(is_orthographic ? looking_orthographic(eye) : looking(eye), glm::dvec3(0), 2);
-            std::vector<Splat> one_by_one, together;
-            const SplatSink sink{one_by_one};
-            for (const auto& p : all) policy.draw_stand_in(p.data, p.cell, local, sink);
-            CHECK(sink.is_splat);
-            const std::vector<std::uint32_t> words = words_of(policy, all);
-            policy.draw_placed(words.data(), all.size(), local, SplatSink{together});
-            CHECK(are_same(together, one_by_one));
+            const auto splats = splats_either_way(policy, all, local);
+            REQUIRE(splats);
             bool was_refused = false;
-            CHECK(widths_agree(policy, all, local, one_by_one, was_refused));
+            CHECK(widths_agree(policy, all, local, *splats, was_refused));
             CHECK(!was_refused);
         }
     }

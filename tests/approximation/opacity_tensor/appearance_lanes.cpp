@@ -69,18 +69,13 @@ TEST_CASE("tensors drawn together are those drawn one by one", "[approximation]"
         const glm::dvec3 eye = glm::dvec3(random.in_cube(3)) * double(size);
         const View view = round % 3 == 0 ? looking_orthographic(eye, {0, 0, 0}) : looking(eye, {0, 0, 0});
         const LocalView local(view, glm::dvec3(0), 4 * size);
-        std::vector<Splat> one_by_one, together;
-        const SplatSink sink{one_by_one};
-        for (const auto& p : all) policy.draw_stand_in(p.data, p.cell, local, sink);
-        CHECK(sink.is_splat);
-        const std::vector<std::uint32_t> words = words_of(policy, all);
-        policy.draw_placed(words.data(), all.size(), local, SplatSink{together});
-        CHECK(are_same(together, one_by_one));
+        const auto splats = splats_either_way(policy, all, local);
+        REQUIRE(splats);
         bool was_refused = false;
-        CHECK(widths_agree(policy, all, local, one_by_one, was_refused));
+        CHECK(widths_agree(policy, all, local, *splats, was_refused));
         // Only squares of lengths that leave single precision are.
         if (was_refused) CHECK((size > 0x1p30f || size < 0x1p-20f));
-        drawn += one_by_one.size();
+        drawn += splats->size();
     }
     CHECK(drawn > 2000);
 }
@@ -98,13 +93,8 @@ TEST_CASE("a tensor in the eye, behind it or beside it", "[approximation]") {
     for (const glm::dvec3 eye : {glm::dvec3(0, 0, 5), glm::dvec3(0, 0, 1e-3), glm::dvec3(0), glm::dvec3(0, 0, -5)}) {
         const LocalView local(looking(eye, eye - glm::dvec3(0, 0, 1)), glm::dvec3(0), 2);
         const Tensors all(7, {data, cell});
-        std::vector<Splat> one_by_one, together;
-        const SplatSink sink{one_by_one};
-        for (const auto& p : all) policy.draw_stand_in(p.data, p.cell, local, sink);
-        CHECK(sink.is_splat);
-        const std::vector<std::uint32_t> words = words_of(policy, all);
-        policy.draw_placed(words.data(), all.size(), local, SplatSink{together});
-        CHECK(are_same(together, one_by_one));
-        CHECK(one_by_one.size() == (eye.z > 0 ? 7 : 0));
+        const auto splats = splats_either_way(policy, all, local);
+        REQUIRE(splats);
+        CHECK(splats->size() == (eye.z > 0 ? 7 : 0));
     }
 }
