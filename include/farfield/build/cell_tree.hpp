@@ -81,7 +81,6 @@ class CellTree : KeptStandIns<H, P, Sampler> {
     /// primitives that are refused, before anything has changed.
     Data update(std::span<const P> primitives, std::span<const std::uint32_t> changed, const Arrays& before,
                 const BuildControl& control) {
-        check_primitive_count(primitives.size());
         std::vector<Item> items;
         HierarchyFacts facts = facts_;
         if (!read_changed(primitives, changed, facts, items)) return build(primitives, control);
