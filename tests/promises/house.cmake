@@ -39,6 +39,7 @@ may_include(build ${hierarchy})
 may_include(build.hpp build sampler ${hierarchy}) # the sampler that a build takes where it is given none
 may_include(update.hpp build build.hpp sampler ${hierarchy})
 may_include(storage ${hierarchy})
+may_include(paging ${hierarchy})
 may_include(frame ${hierarchy})
 may_include(viewer.hpp ${frame})
 may_include(pick.hpp ${frame})
