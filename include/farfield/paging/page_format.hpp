@@ -63,8 +63,8 @@ struct PageFileHeader {
     std::array<std::uint8_t, 8> magic = page_file_magic;
     std::uint32_t version = page_file_version;
     std::uint32_t byte_order = file_byte_order;
-    std::uint32_t partition_tag = 0, approximation_tag = 0, cost_tag = 0;
-    std::uint32_t primitive_bytes = 0, stand_in_bytes = 0, node_data_bytes = 0;
+    /// Tags of partition, approximation and cost model; sizes of a primitive, a stand-in and a record of node data.
+    std::array<std::uint32_t, 6> records{};
     std::uint32_t option_bytes = 0;  ///< of all policies together
     std::uint32_t page_bytes = 0;
     std::uint32_t page_count = 0;
@@ -124,6 +124,18 @@ inline Node portal_to(const Portal& to, const Node& node) {
     n.child_mask = n.stand_in_mask = 0;
     return n;
 }
+
+template <class H, class P>
+constexpr std::array<std::uint32_t, 6> page_records() {
+    return {H::partition_type::facts.file_tag,
+            H::approximation_type::facts.file_tag,
+            H::cost_model_type::file_tag,
+            std::uint32_t(sizeof(P)),
+            std::uint32_t(stored_size<typename H::stand_in_data>),
+            std::uint32_t(stored_size<typename H::node_data>)};
+}
+inline constexpr std::array<const char*, 6> page_record_names{
+    "partition", "approximation", "cost model", "size of primitives", "size of stand-ins", "size of node data"};
 
 /// Where the arrays of a page begin.
 struct PageLayout {

@@ -192,19 +192,11 @@ std::string wrong_page_file(std::span<const std::byte> bytes, PageFileHeader& he
     if (header.checksum != Xxh64::of(bytes.first(offsetof(PageFileHeader, checksum)))) {
         return "is damaged: the checksum of its header is wrong";
     }
-    const auto differs = [&](const char* what, std::uint32_t expected, std::uint32_t found) {
-        return expected == found ? std::string() : wrong_tag(what, expected, found);
-    };
-    using Records = PageRecords<H, P>;
-    for (const std::string& why :
-         {differs("partition", H::partition_type::facts.file_tag, header.partition_tag),
-          differs("approximation", H::approximation_type::facts.file_tag, header.approximation_tag),
-          differs("cost model", H::cost_model_type::file_tag, header.cost_tag),
-          differs("primitive", std::uint32_t(sizeof(P)), header.primitive_bytes),
-          differs("stand-in", Records::stand_in_bytes, header.stand_in_bytes),
-          differs("record of node data", Records::node_data_bytes, header.node_data_bytes)}) {
-        if (!why.empty()) return why;
+    for (std::size_t i = 0; i < header.records.size(); ++i) {
+        const std::uint32_t wanted = page_records<H, P>()[i];
+        if (header.records[i] != wanted) return wrong_tag(page_record_names[i], wanted, header.records[i]);
     }
+    using Records = PageRecords<H, P>;
     if (const char* why = unsound_facts(header.facts, header.node_count & 0xffffffffu)) return std::string("is damaged: ") + why;
     if (header.page_bytes == 0 || header.page_bytes > most_page_bytes || header.page_bytes % Records::common_multiple != 0 ||
         header.page_count == 0 || header.first_page % page_file_alignment != 0 || header.first_page > most_page_bytes ||

@@ -153,12 +153,7 @@ class PageWriter {
         append(bytes_of(h_.cost_policy()));
         PageFileHeader header;
         header.option_bytes = std::uint32_t(rest.size());
-        header.partition_tag = H::partition_type::facts.file_tag;
-        header.approximation_tag = H::approximation_type::facts.file_tag;
-        header.cost_tag = H::cost_model_type::file_tag;
-        header.primitive_bytes = sizeof(P);
-        header.stand_in_bytes = Records::stand_in_bytes;
-        header.node_data_bytes = Records::node_data_bytes;
+        header.records = page_records<H, P>();
         header.page_bytes = page_bytes_;
         header.page_count = page_count_;
         header.level_count = units_.back().subtree.cell.depth + 1u;
