@@ -87,9 +87,10 @@ concept OwningTemporary =
 template <class H, class P, class R>
 class Viewer {
     static_assert(detail::check_drawable<H, P, R>());
-    static_assert(!PagedAtRunTime<H> || detail::DrawsChangingSources<R>,
-                  "farfield: the hierarchy lies in pages, which needs a renderer with `draws_changing_sources`, or without "
-                  "`keeps_sources`");
+    static_assert(
+        !PagedAtRunTime<H> || detail::DrawsChangingSources<R>,
+        "farfield: the hierarchy lies in pages, which needs a renderer with `draws_changing_sources`, or without "
+        "`keeps_sources`");
 
   public:
     /// Throws std::invalid_argument if the span is not the one (by count; for hierarchies from files also by bounds)

@@ -1,5 +1,5 @@
-// Pages of one file in memory of a fixed size, shared by any number of viewers on any threads. Frames never wait: what is
-// missing is asked for and loaded by threads of the cache's own, and until then something coarser is drawn.
+// Pages of one file in memory of a fixed size, shared by any number of viewers on any threads. Frames never wait: what
+// is missing is asked for and loaded by threads of the cache's own, and until then something coarser is drawn.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -38,16 +38,16 @@ struct PageCacheOptions {
 };
 
 struct PageCacheStats {
-    std::uint64_t loads = 0;        ///< pages
-    std::uint64_t reads = 0;        ///< of one page or several
+    std::uint64_t loads = 0;  ///< pages
+    std::uint64_t reads = 0;  ///< of one page or several
     std::uint64_t bytes_read = 0;
-    std::uint64_t failures = 0;     ///< pages that could not be read, or were not sound
+    std::uint64_t failures = 0;  ///< pages that could not be read, or were not sound
     std::uint64_t evictions = 0;
-    std::uint64_t reloads = 0;      ///< of a page that went less than 60 frames ago
-    std::uint64_t resident = 0;     ///< pages
-    std::uint64_t missing = 0;      ///< pages that the last frames asked for
-    std::size_t bytes = 0;          ///< that all of it takes, at most
-    std::string last_failure{};     ///< one line
+    std::uint64_t reloads = 0;   ///< of a page that went less than 60 frames ago
+    std::uint64_t resident = 0;  ///< pages
+    std::uint64_t missing = 0;   ///< pages that the last frames asked for
+    std::size_t bytes = 0;       ///< that all of it takes, at most
+    std::string last_failure{};  ///< one line
 };
 
 namespace detail {
@@ -85,15 +85,15 @@ class PageCache {
           threads_wanted_(options.loads_in_background ? std::max(merging.most_reads_at_once, 1u) : 0),
           pages_a_read_(pages_a_read()),
           slots_(places.page_count, slots_within()),
-          memory_(std::make_unique_for_overwrite<Line[]>(std::size_t(slots_.slot_count()) * places.page_bytes / sizeof(Line) +
-                                                         1)) {
+          memory_(std::make_unique_for_overwrite<Line[]>(
+              std::size_t(slots_.slot_count()) * places.page_bytes / sizeof(Line) + 1)) {
         std::vector<std::byte> buffer(places_.page_bytes);
         std::unique_lock lock(mutex_);
         states_.resize(places_.page_count);
         load({{std::numeric_limits<float>::infinity(), 0}}, buffer, nullptr, lock);
         if (!slots_.is_resident(0)) {
-            fail<std::runtime_error>("farfield::open_pages: " + where_ + ": its first page cannot be used: " +
-                                     stats_.last_failure);
+            fail<std::runtime_error>("farfield::open_pages: " + where_ +
+                                     ": its first page cannot be used: " + stats_.last_failure);
         }
         for (unsigned i = 0; i < threads_wanted_; ++i) threads_.emplace_back([this] { load_in_background(); });
     }
@@ -285,10 +285,12 @@ class PageCache {
         const auto gap = std::uint32_t(merging_.largest_gap / places_.page_bytes) + 1;
         if (pages_a_read_ > 1) {
             std::vector<WantedPage> others(most->wanted.begin() + std::ptrdiff_t(most->next) + 1, most->wanted.end());
-            std::sort(others.begin(), others.end(), [](const WantedPage& a, const WantedPage& b) { return a.page < b.page; });
+            std::sort(others.begin(), others.end(),
+                      [](const WantedPage& a, const WantedPage& b) { return a.page < b.page; });
             std::uint32_t first = batch[0].page, last = first;
-            const auto above = std::upper_bound(others.begin(), others.end(), batch[0],
-                                                [](const WantedPage& a, const WantedPage& b) { return a.page < b.page; });
+            const auto above =
+                std::upper_bound(others.begin(), others.end(), batch[0],
+                                 [](const WantedPage& a, const WantedPage& b) { return a.page < b.page; });
             for (auto i = above; i != others.end() && i->page - last <= gap && i->page - first < pages_a_read_; ++i) {
                 if (!may_load(i->page)) continue;
                 batch.push_back(*i);
@@ -333,7 +335,8 @@ class PageCache {
             if (result.status != ReadStatus::done) break;
             const std::uint64_t begin = std::uint64_t(l.slot) * places_.page_bytes;
             const std::span<std::byte> page(memory_[0].bytes + begin, places_.page_bytes);
-            std::memcpy(page.data(), bytes.data() + std::size_t(l.wanted.page - first) * places_.page_bytes, page.size());
+            std::memcpy(page.data(), bytes.data() + std::size_t(l.wanted.page - first) * places_.page_bytes,
+                        page.size());
             l.fault = prepare_(page, l.wanted.page, begin);
         }
         lock.lock();
@@ -358,7 +361,8 @@ class PageCache {
     }
     void failed(std::uint32_t page, const ReadResult& result, const char* fault) {
         ++stats_.failures;
-        stats_.last_failure = fault != nullptr ? where_ + ": page " + std::to_string(page) + ": " + fault : result.message;
+        stats_.last_failure =
+            fault != nullptr ? where_ + ": page " + std::to_string(page) + ": " + fault : result.message;
         if (result.status == ReadStatus::changed) is_changed_ = true;
         if (result.status == ReadStatus::refused) states_[page] = State::refused;
         Retry& retry = retries_[page];

@@ -25,7 +25,7 @@ struct PageExpected {
 
 /// The nodes of a page are a forest, numbered in one way only: walking unit by unit, depth first, meets blocks of
 /// siblings, stand-ins and items in turn, so there is neither a circle nor a node with two parents. Portals lead to
-/// later pages, so there is none through these either.
+/// later units, so there is none through these either.
 inline const char* unsound_page_nodes(std::span<const Node> nodes, const PageHeader& header,
                                       const PageExpected& expected) {
     struct Siblings {
@@ -51,9 +51,10 @@ inline const char* unsound_page_nodes(std::span<const Node> nodes, const PageHea
             if ((n.stand_in_mask & ~n.child_mask) != 0) return "a stand-in belongs to a child that does not exist";
             if (is_portal(n)) {
                 if (path.size() == 1) return "a unit lies in another page";
-                if (n.first_child > expected.page_count || n.first_child - 1 <= header.number) {
-                    return "a node lies in a page that cannot hold it";
+                if (n.first_child > expected.page_count - header.number) {
+                    return "a node lies in a page that does not exist";
                 }
+                if (n.first_child == 1 && portal_of(n).unit <= unit) return "a node lies in what lies in it";
                 continue;
             }
             const auto children = std::uint32_t(std::popcount(n.child_mask));
@@ -88,14 +89,15 @@ const char* unsound_page(std::span<const std::byte> page, const PageExpected& ex
         return "it is no page";
     }
     if (header.checksum != checksum_of_page(page, header.used_bytes)) return "its checksum is wrong";
-    if (header.number != expected.number) return "it is another page";
+    if (header.number != expected.number || header.number >= expected.page_count) return "it is another page";
     if (header.fingerprint != expected.fingerprint) return "it belongs to another file";
     if (header.unit_count == 0 || header.unit_count > most_units_of_page || header.unit_count >= header.node_count ||
         header.level >= most_levels_in_files) {
         return "it holds no unit";
     }
     const std::uint64_t most = page.size();
-    if (header.node_count > most || header.stand_in_count > most || header.item_count > most) return "it holds too much";
+    if (header.node_count > most || header.stand_in_count > most || header.item_count > most)
+        return "it holds too much";
     const PageLayout at = Records::layout(header.node_count, header.stand_in_count, header.item_count);
     if (at.end != header.used_bytes) return "its arrays do not fill it";
     const std::span<const Node> nodes(reinterpret_cast<const Node*>(page.data() + at.nodes), header.node_count);
@@ -131,6 +133,7 @@ void place_page(std::span<std::byte> page, std::uint64_t begin) {
     Node* const nodes = reinterpret_cast<Node*>(page.data() + at.nodes);
     for (std::uint32_t i = 0; i < header.node_count; ++i) {
         nodes[i].first_item += first_item;
+        if (is_portal(nodes[i])) nodes[i].first_child += header.number;
         if (nodes[i].child_mask == 0) continue;
         nodes[i].first_child += first_node;
         nodes[i].first_child_data += first_stand_in;

@@ -1,11 +1,12 @@
 // The layout of a file of pages, which is read a page at a time, from a disk or over a network.
 //
 // A *unit* is the contents of a node that has a stand-in: its own run of primitives, the records and stand-ins of its
-// children, and the same of those descendants that it reaches without passing another stand-in. A page holds consecutive
-// units of one level, in the order of the partition (Morton order for an octree): a frame needs one band of levels at
-// each distance, so pages of whole subtrees would be entered for their roots alone, and 19 times as many are touched.
-// A node's record and its stand-in thus lie in its parent's page, its children and primitives in its own (Klein et al.
-// 2002, section 5.1, read that way round), and whatever page is missing, there is something to draw in its place.
+// children, and the same of those descendants that it reaches without passing another stand-in. A page holds
+// consecutive units of one level, in the order of the partition (Morton order for an octree): a frame needs one band of
+// levels at each distance, so pages of whole subtrees would be entered for their roots alone, and 19 times as many are
+// touched. A node's record and its stand-in thus lie in its parent's page, its children and primitives in its own
+// (Klein et al. 2002, section 5.1, read that way round), and whatever page is missing, there is something to draw in
+// its place.
 //
 //     0        PageFileHeader, then the options of partition, approximation and cost model as their numbers
 //     4096 n   page 0, with the root's unit, and all others, `page_bytes` each, level by level
@@ -18,8 +19,9 @@
 //
 // Each array begins at a multiple of the size of its records, counted from the page's begin, and so does every page in
 // the memory of a cache: whatever lies in a page has one index there, as it has in a hierarchy in memory. Indices in a
-// page count from its arrays' begins. The node of a unit in another page is a *portal*: it has no children, and yet a
-// first one, the page's number plus 1.
+// page count from its arrays' begins. The node whose contents are a unit of their own is a *portal*: it has no
+// children, and yet a first one, the number of pages from its own to theirs, plus 1. So pages of a part of a tree are
+// the same wherever they come to lie, but for the numbers in their headers.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -43,14 +45,14 @@ namespace farfield {
 /// A primitive that may lie in a page as it lies in memory. Whoever keeps one alive by other means, as an instance does
 /// its hierarchy, cannot be paged.
 template <class P>
-concept PageablePrimitive = std::is_trivially_copyable_v<P> && Primitive<P> && !PrimitiveWithInstance<P> && alignof(P) <=
-    64;
+concept PageablePrimitive =
+    std::is_trivially_copyable_v<P> && Primitive<P> && !PrimitiveWithInstance<P> && alignof(P) <= 64;
 
 /// A hierarchy that can be cut into pages: every node that refines has something to draw instead, no record refers to
 /// what lies elsewhere, and each primitive lies in one cell.
 template <class H>
 concept Pageable = Storable<H> && H::approximation_type::facts.stands_in && !H::approximation_type::facts.has_pool &&
-    !H::approximation_type::facts.caches_images && H::assignment == Assignment::unique;
+                   !H::approximation_type::facts.caches_images && H::assignment == Assignment::unique;
 
 namespace detail {
 
@@ -73,16 +75,16 @@ struct PageFileHeader {
     std::uint64_t file_bytes = 0;
     std::uint64_t node_count = 0;  ///< in the tree
     HierarchyFacts facts;
-    Node root;                            ///< a portal
+    Node root;                              ///< a portal
     std::uint64_t checksum_of_options = 0;  ///< XXH64
-    std::uint64_t checksum = 0;           ///< XXH64 of all bytes of the header before it
+    std::uint64_t checksum = 0;             ///< XXH64 of all bytes of the header before it
 };
 static_assert(!vectors_are_packed || WithoutPadding<PageFileHeader>);
 
 struct PageHeader {
     std::uint32_t magic = page_magic;
     std::uint32_t number = 0;
-    std::uint32_t level = 0;       ///< depth of the cells whose contents it holds
+    std::uint32_t level = 0;       ///< depth of the first cell whose contents it holds
     std::uint32_t unit_count = 0;  ///< the first of its nodes are their roots
     std::uint32_t node_count = 0, stand_in_count = 0, item_count = 0;
     std::uint32_t used_bytes = 0;
@@ -94,19 +96,20 @@ static_assert(sizeof(PageHeader) == 64 && offsetof(PageHeader, checksum) == 40);
 
 /// All but the checksum itself: the header before it, and what follows.
 inline std::uint64_t checksum_of_page(std::span<const std::byte> page, std::size_t used_bytes) {
-    return mixed(Xxh64::of(page.first(offsetof(PageHeader, checksum))),
-                 Xxh64::of(page.first(used_bytes).subspan(offsetof(PageHeader, checksum) + sizeof(PageHeader::checksum))));
+    return mixed(
+        Xxh64::of(page.first(offsetof(PageHeader, checksum))),
+        Xxh64::of(page.first(used_bytes).subspan(offsetof(PageHeader, checksum) + sizeof(PageHeader::checksum))));
 }
 
 /// One node's own contents may need as much; the memory that a cache takes is counted in pages.
 inline constexpr std::uint64_t most_page_bytes = 64u << 20;
 inline constexpr std::uint32_t most_units_of_page = 65535;
 
-/// The node of a unit that lies in another page.
+/// Where the contents of a node are.
 struct Portal {
-    std::uint32_t page = 0;
-    std::uint32_t unit = 0;      ///< below 65536
-    std::uint32_t items = 0;     ///< below it, to a two hundredth part
+    std::uint32_t page = 0;   ///< in memory; in a file, the number of pages from the portal's own
+    std::uint32_t unit = 0;   ///< below 65536
+    std::uint32_t items = 0;  ///< below it, to a two hundredth part
 };
 inline bool is_portal(const Node& node) {
     return node.child_mask == 0 && node.first_child != 0;
@@ -139,7 +142,7 @@ inline constexpr std::array<const char*, 6> page_record_names{
 
 /// Where the arrays of a page begin.
 struct PageLayout {
-    std::uint32_t nodes = 0, node_data = 0, stand_ins = 0, items = 0, end = 0;
+    std::uint64_t nodes = 0, node_data = 0, stand_ins = 0, items = 0, end = 0;
 };
 
 template <class H, class P>
@@ -151,18 +154,23 @@ struct PageRecords {
         std::lcm(std::lcm(std::lcm(std::uint64_t(64), std::uint64_t(node_data_bytes ? node_data_bytes : 1)),
                           std::uint64_t(stand_in_bytes ? stand_in_bytes : 1)),
                  std::uint64_t(sizeof(P)));
-    static_assert(common_multiple <= 1u << 22, "farfield: the sizes of records have no common multiple that a page could have");
+    static_assert(common_multiple <= 1u << 22,
+                  "farfield: the sizes of records have no common multiple that a page could have");
 
     static constexpr std::uint64_t least_multiple_of(std::uint64_t unit, std::uint64_t from) {
         return unit == 0 ? from : (from + unit - 1) / unit * unit;
     }
     static constexpr PageLayout layout(std::uint64_t nodes, std::uint64_t stand_ins, std::uint64_t items) {
-        const std::uint64_t at_nodes = sizeof(PageHeader);
-        const std::uint64_t at_data = least_multiple_of(node_data_bytes, at_nodes + nodes * sizeof(Node));
-        const std::uint64_t at_stand_ins = least_multiple_of(stand_in_bytes, at_data + nodes * node_data_bytes);
-        const std::uint64_t at_items = least_multiple_of(sizeof(P), at_stand_ins + stand_ins * stand_in_bytes);
-        return {std::uint32_t(at_nodes), std::uint32_t(at_data), std::uint32_t(at_stand_ins), std::uint32_t(at_items),
-                std::uint32_t(at_items + items * sizeof(P))};
+        PageLayout at;
+        at.nodes = sizeof(PageHeader);
+        at.node_data = least_multiple_of(node_data_bytes, at.nodes + nodes * sizeof(Node));
+        at.stand_ins = least_multiple_of(stand_in_bytes, at.node_data + nodes * node_data_bytes);
+        at.items = least_multiple_of(sizeof(P), at.stand_ins + stand_ins * stand_in_bytes);
+        at.end = at.items + items * sizeof(P);
+        return at;
+    }
+    static constexpr std::uint64_t layout_bytes(std::uint64_t nodes, std::uint64_t stand_ins, std::uint64_t items) {
+        return layout(nodes, stand_ins, items).end;
     }
     /// The size of pages nearest to what is wanted, and no smaller than what one unit needs.
     static constexpr std::uint64_t page_bytes(std::uint64_t wanted, std::uint64_t needed) {

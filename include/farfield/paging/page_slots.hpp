@@ -20,7 +20,7 @@ namespace farfield::detail {
 
 /// One user's frames, one after the other.
 struct PageVisits {
-    std::atomic<std::uint64_t> epoch{0};   ///< that its frame began in; 0: it has none
+    std::atomic<std::uint64_t> epoch{0};       ///< that its frame began in; 0: it has none
     std::atomic<std::uint32_t> last_frame{0};  ///< the number of its last one; 0: there was none
 };
 

@@ -32,8 +32,8 @@
 
 namespace farfield {
 
-/// Every viewer takes a copy of its own, which is cheap; copies share the cache. A copy is not to be used by two threads
-/// at once.
+/// Every viewer takes a copy of its own, which is cheap; copies share the cache. A copy is not to be used by two
+/// threads at once.
 template <Pageable H, PageablePrimitive P>
 class PagedHierarchy {
   public:
@@ -72,8 +72,8 @@ class PagedHierarchy {
 
     /// What pages are in memory, and how they came there. Of all copies together.
     PageCacheStats cache_stats() const { return file_->cache->stats(); }
-    /// Loads what the last frames wanted, on this thread, until nothing is left that can be loaded now; returns the number
-    /// of pages. Frames after it are the same as if nothing had been missing, once it returns 0.
+    /// Loads what the last frames wanted, on this thread, until nothing is left that can be loaded now; returns the
+    /// number of pages. Frames after it are the same as if nothing had been missing, once it returns 0.
     std::size_t load_wanted() { return file_->cache->load_wanted(); }
     /// Whether frames wait for pages instead of drawing something coarser: for pictures, not for walks. It counts for
     /// copies that are made afterwards too.
@@ -81,7 +81,8 @@ class PagedHierarchy {
 
     // What a descent asks.
 
-    /// Arrays of the cache's memory. Only what has been reached through follow() may be looked at, until the frame ends.
+    /// Arrays of the cache's memory. Only what has been reached through follow() may be looked at, until the frame
+    /// ends.
     std::span<const Node> nodes() const { return memory_as<Node>(); }
     std::span<const stand_in_data> stand_ins() const { return memory_as<stand_in_data>(); }
     std::span<const P> primitives() const { return memory_as<P>(); }
@@ -100,7 +101,8 @@ class PagedHierarchy {
             const auto first = std::uint32_t((begin + sizeof(detail::PageHeader)) / sizeof(Node));
             const detail::PageLayout layout = Records::layout(header_at(begin).node_count, 0, 0);
             node_data data;
-            std::memcpy(&data, memory() + begin + layout.node_data + std::size_t(node - first) * sizeof data, sizeof data);
+            std::memcpy(&data, memory() + begin + layout.node_data + std::size_t(node - first) * sizeof data,
+                        sizeof data);
             return data;
         }
     }
@@ -116,20 +118,22 @@ class PagedHierarchy {
     /// Whether a node's contents are in another page.
     static bool is_portal(const Node& node) { return detail::is_portal(node); }
     static std::uint32_t items_below(const Node& portal) { return detail::portal_of(portal).items; }
-    /// Turns a portal into the node that it stands for. False, and nothing is done, if the page is missing or not what it
-    /// should be: it has been asked for, the more urgently the larger `weight` is.
+    /// Turns a portal into the node that it stands for. False, and nothing is done, if the page is missing or not what
+    /// it should be: it has been asked for, the more urgently the larger `weight` is.
     bool follow(Subtree& subtree, float weight) const {
         const detail::Portal to = detail::portal_of(nodes()[subtree.node]);
-        const std::uint32_t slot =
-            waits_ ? user_.find_or_wait(to.page, weight) : user_.find(to.page, weight);
+        const std::uint32_t slot = waits_ ? user_.find_or_wait(to.page, weight) : user_.find(to.page, weight);
         if (slot == detail::PageSlots::none) return false;
         const detail::PageHeader& header = header_at(std::size_t(slot) * page_bytes());
-        if (header.level != subtree.cell.depth || to.unit >= header.unit_count) return false;
+        // A descent is a recursion, and no file decides how deep it goes.
+        if (to.unit >= header.unit_count || subtree.cell.depth >= most_levels_in_files) return false;
         enter_unit(subtree, slot, to.unit);
         return true;
     }
     /// Asks for the contents of a node that frames to come may draw.
-    void expect(const Node& portal, float weight) const { user_.ask_if_missing(detail::portal_of(portal).page, weight); }
+    void expect(const Node& portal, float weight) const {
+        user_.ask_if_missing(detail::portal_of(portal).page, weight);
+    }
     void begin_frame() const { user_.begin_frame(); }
     void end_frame() const { user_.end_frame(); }
     bool is_in_frame() const { return user_.is_in_frame(); }
@@ -157,7 +161,8 @@ class PagedHierarchy {
         return *reinterpret_cast<const detail::PageHeader*>(memory() + begin);
     }
     void enter_unit(Subtree& s, std::uint32_t slot, std::uint32_t unit) const {
-        const auto first = std::uint32_t((std::size_t(slot) * page_bytes() + sizeof(detail::PageHeader)) / sizeof(Node));
+        const auto first =
+            std::uint32_t((std::size_t(slot) * page_bytes() + sizeof(detail::PageHeader)) / sizeof(Node));
         s.node = first + unit;
         s.end_item = nodes()[s.node + 1].first_item;
     }
@@ -197,9 +202,11 @@ std::string wrong_page_file(std::span<const std::byte> bytes, PageFileHeader& he
         if (header.records[i] != wanted) return wrong_tag(page_record_names[i], wanted, header.records[i]);
     }
     using Records = PageRecords<H, P>;
-    if (const char* why = unsound_facts(header.facts, header.node_count & 0xffffffffu)) return std::string("is damaged: ") + why;
-    if (header.page_bytes == 0 || header.page_bytes > most_page_bytes || header.page_bytes % Records::common_multiple != 0 ||
-        header.page_count == 0 || header.first_page % page_file_alignment != 0 || header.first_page > most_page_bytes ||
+    if (const char* why = unsound_facts(header.facts, header.node_count & 0xffffffffu))
+        return std::string("is damaged: ") + why;
+    if (header.page_bytes == 0 || header.page_bytes > most_page_bytes ||
+        header.page_bytes % Records::common_multiple != 0 || header.page_count == 0 ||
+        header.first_page % page_file_alignment != 0 || header.first_page > most_page_bytes ||
         header.file_bytes != header.first_page + std::uint64_t(header.page_count) * header.page_bytes ||
         !is_portal(header.root) || portal_of(header.root).page != 0) {
         return "is damaged: its pages cannot lie where it says";
@@ -232,7 +239,8 @@ PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string&
     auto file = std::make_shared<typename Paged::File>();
     const std::uint64_t size = source->size();
     detail::PageFileHeader& header = file->header;
-    refuse_if(detail::wrong_page_file<H, P>(read(0, std::size_t(std::min<std::uint64_t>(size, sizeof header))), header, size));
+    refuse_if(detail::wrong_page_file<H, P>(read(0, std::size_t(std::min<std::uint64_t>(size, sizeof header))), header,
+                                            size));
     const std::vector<std::byte> rest = read(sizeof header, std::size_t(header.first_page - sizeof header));
     std::span<const std::byte> options_left(rest);
     const auto policy = [&](auto& to) {
