@@ -11,13 +11,10 @@
 #include <glm/vec4.hpp>
 #include <limits>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "farfield/fail.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/paging/page_format.hpp"
 #include "farfield/storage/file_format.hpp"
@@ -48,15 +45,25 @@ class PageForest {
   public:
     using Tree = PageTree<H, P>;
 
-    /// Throws std::invalid_argument if one node alone holds more than a page may. `page_bytes` 0: as `wanted_bytes` is,
-    /// or more where a node needs it; otherwise it is what they must fit into.
+    /// `page_bytes` 0: as `wanted_bytes` is, or more where a node needs it; otherwise it is what they must fit into.
     PageForest(std::vector<Tree> trees, std::uint64_t wanted_bytes, std::uint32_t page_bytes = 0)
         : trees_(std::move(trees)) {
         find_units();
-        choose_page_bytes(wanted_bytes, page_bytes);
-        place_units();
+        for (const Unit& u : units_) {
+            needed_bytes_ =
+                std::max(needed_bytes_, Records::layout_bytes(u.nodes + std::uint64_t(1), u.stand_ins, u.items));
+        }
+        page_bytes_ = page_bytes;
+        if (page_bytes == 0 && needed_bytes_ <= most_page_bytes) {
+            page_bytes_ = std::uint32_t(Records::page_bytes(std::max<std::uint64_t>(wanted_bytes, 1), needed_bytes_));
+        }
+        if (fits()) place_units();
     }
 
+    /// False if a node by itself holds more than a page may; there are no pages then.
+    bool fits() const { return needed_bytes_ <= page_bytes_; }
+    /// That one node takes by itself, at most.
+    std::uint64_t needed_bytes() const { return needed_bytes_; }
     std::uint32_t page_bytes() const { return page_bytes_; }
     std::uint32_t page_count() const { return page_count_; }
     unsigned level_count() const { return units_.empty() ? 0u : units_.back().subtree.cell.depth + 1u; }
@@ -136,24 +143,6 @@ class PageForest {
             levels[depth] = {};
         }
         for (std::size_t t = 0; t < trees_.size(); ++t) root_unit_.push_back(unit_of_node_[t][0]);
-    }
-
-    void choose_page_bytes(std::uint64_t wanted_bytes, std::uint32_t page_bytes) {
-        std::uint64_t needed = 0;
-        const std::uint64_t most = page_bytes == 0 ? most_page_bytes : page_bytes;
-        for (const Unit& u : units_) {
-            const std::uint64_t bytes = Records::layout_bytes(u.nodes + std::uint64_t(1), u.stand_ins, u.items);
-            needed = std::max(needed, bytes);
-            if (bytes > most) {
-                fail<std::invalid_argument>("farfield: pages: a cell at level " + std::to_string(u.subtree.cell.depth) +
-                                            " has " + std::to_string(u.items) +
-                                            " primitives of its own, which is more than a page of " +
-                                            std::to_string(most) + " bytes can hold");
-            }
-        }
-        page_bytes_ = page_bytes != 0
-                          ? page_bytes
-                          : std::uint32_t(Records::page_bytes(std::max<std::uint64_t>(wanted_bytes, 1), needed));
     }
 
     /// A page holds units of one level, or all of several that fit: the first levels of a tree are small.
@@ -301,6 +290,7 @@ class PageForest {
     std::vector<Unit> units_;                               ///< page by page
     std::vector<std::uint32_t> root_unit_;                  ///< by tree
     std::vector<std::vector<std::uint32_t>> unit_of_node_;  ///< by tree and node
+    std::uint64_t needed_bytes_ = 0;
     std::uint32_t page_bytes_ = 0, page_count_ = 0;
     PageParts parts_;  ///< of the page that is being filled
 };

@@ -31,6 +31,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <numeric>
 #include <span>
 #include <type_traits>
@@ -99,6 +100,16 @@ inline std::uint64_t checksum_of_page(std::span<const std::byte> page, std::size
     return mixed(
         Xxh64::of(page.first(offsetof(PageHeader, checksum))),
         Xxh64::of(page.first(used_bytes).subspan(offsetof(PageHeader, checksum) + sizeof(PageHeader::checksum))));
+}
+
+/// A page that has come to lie elsewhere in its file.
+inline void renumber_page(std::span<std::byte> page, std::uint32_t number) {
+    PageHeader header;
+    std::memcpy(&header, page.data(), sizeof header);
+    header.number = number;
+    std::memcpy(page.data(), &header, sizeof header);
+    header.checksum = checksum_of_page(page, header.used_bytes);
+    std::memcpy(page.data(), &header, sizeof header);
 }
 
 /// One node's own contents may need as much; the memory that a cache takes is counted in pages.

@@ -35,6 +35,11 @@ void write_pages(const H& hierarchy, std::span<const P> primitives, const PageOp
                                     std::to_string(primitives.size()));
     }
     PageForest<H, P> pages({{&hierarchy, primitives}}, options.page_bytes);
+    if (!pages.fits()) {
+        fail<std::invalid_argument>("farfield::save_pages: one cell by itself takes " +
+                                    std::to_string(pages.needed_bytes()) + " bytes, more than the " +
+                                    std::to_string(most_page_bytes) + " that a page may have");
+    }
     write(std::span<const std::byte>(page_file_head<H, P>(
         hierarchy.partition_policy(), hierarchy.approximation_policy(), hierarchy.cost_policy(), hierarchy.facts(),
         pages.root_of(0), pages.page_bytes(), pages.page_count(), pages.level_count())));
