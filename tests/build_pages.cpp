@@ -133,7 +133,7 @@ TEST_CASE("A build that is killed over and over goes on, and leaves no file that
             build_pages<Tensors, Triangle>(stream_of(scene), path, options);
             ::_exit(0);
         }
-        ::usleep(::useconds_t(random.in(0.0f, 60000.0f)));
+        ::usleep(::useconds_t(random.between(0, 60000)));
         ::kill(child, SIGKILL);
         int status = 0;
         ::waitpid(child, &status, 0);
@@ -160,7 +160,8 @@ TEST_CASE("A build in parts refuses what a build in memory refuses, and says wha
     Triangles scene = mixed_triangles(3000, 17);
     SECTION("a primitive that is not finite") {
         scene[1234].vertices[1].y = std::numeric_limits<float>::quiet_NaN();
-        CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream_of(scene), path, options)), Contains("primitive 1234"));
+        CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream_of(scene), path, options)),
+                          Catch::Matchers::Contains("primitive 1234"));
     }
     SECTION("a stream that changes") {
         int reads = 0;
@@ -168,17 +169,20 @@ TEST_CASE("A build in parts refuses what a build in memory refuses, and says wha
             const std::size_t count = scene.size() - std::size_t(reads++ == 2);
             for (std::size_t i = 0; i < count; ++i) take(scene[i]);
         };
-        CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream, path, options)), Contains("3000") && Contains("2999"));
+        CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream, path, options)),
+                          Catch::Matchers::Contains("3000") && Catch::Matchers::Contains("2999"));
     }
     SECTION("a share that is missing") {
         build_page_share<Tensors, Triangle>(stream_of(scene), path, {0, 2}, options);
-        CHECK_THROWS_WITH((join_page_shares<Tensors, Triangle>(path, 2, options)), Contains("share 1 of 2"));
+        CHECK_THROWS_WITH((join_page_shares<Tensors, Triangle>(path, 2, options)),
+                          Catch::Matchers::Contains("share 1 of 2"));
     }
     SECTION("a share of something else") {
         build_page_share<Tensors, Triangle>(stream_of(scene), path, {0, 2}, options);
         scene[0].vertices[0].x += 0.001f;
         build_page_share<Tensors, Triangle>(stream_of(scene), path, {1, 2}, options);
-        CHECK_THROWS_WITH((join_page_shares<Tensors, Triangle>(path, 2, options)), Contains("share 1 of 2"));
+        CHECK_THROWS_WITH((join_page_shares<Tensors, Triangle>(path, 2, options)),
+                          Catch::Matchers::Contains("share 1 of 2"));
     }
     SECTION("a callback that cancels, after which a build goes on") {
         auto canceling = options;
@@ -189,8 +193,9 @@ TEST_CASE("A build in parts refuses what a build in memory refuses, and says wha
         CHECK(std::filesystem::exists(path));
     }
     SECTION("a folder that does not exist") {
-        CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream_of(scene), directory.path() / "no" / "scene", options)),
-                          Contains("scene"));
+        CHECK_THROWS_WITH(
+            (build_pages<Tensors, Triangle>(stream_of(scene), directory.path() / "no" / "scene", options)),
+            Catch::Matchers::Contains("scene"));
     }
 }
 
@@ -200,16 +205,28 @@ TEST_CASE("Scenes of any kind are built in parts") {
     const auto options = in_many_parts<Tensors>();
     Triangles scene;
     SECTION("nothing") {}
-    SECTION("one triangle") { scene = random_triangles(1, 1); }
-    SECTION("the same triangle many times, more than a page holds") { scene.assign(5000, random_triangles(1, 1)[0]); }
-    SECTION("one point") { scene.assign(3000, Triangle{}); }
-    SECTION("all in a plane") { scene = sheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 60, 60, {200, 100, 50, 255}); }
+    SECTION("one triangle") {
+        scene = random_triangles(1, 1);
+    }
+    SECTION("the same triangle many times, more than a page holds") {
+        scene.assign(5000, random_triangles(1, 1)[0]);
+    }
+    SECTION("one point") {
+        scene.assign(3000, Triangle{});
+    }
+    SECTION("all in a plane") {
+        scene = sheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 60, 60, {200, 100, 50, 255});
+    }
     SECTION("a large one among small ones") {
         scene = random_triangles(4000, 3, 0.01f);
         scene.push_back({{glm::vec3(-50, -50, 0), glm::vec3(50, -50, 0), glm::vec3(0, 50, 0)}, {9, 9, 9, 255}});
     }
-    SECTION("far from the origin") { scene = moved(mixed_triangles(4000, 3), 1, glm::vec3(1e5f, -3e5f, 2e5f)); }
-    SECTION("very small") { scene = moved(mixed_triangles(4000, 3), 1e-18f); }
+    SECTION("far from the origin") {
+        scene = moved(mixed_triangles(4000, 3), 1, glm::vec3(1e5f, -3e5f, 2e5f));
+    }
+    SECTION("very small") {
+        scene = moved(mixed_triangles(4000, 3), 1e-18f);
+    }
     build_pages<Tensors, Triangle>(stream_of(scene), path, options);
     auto pages = open_pages<Tensors, Triangle>(path);
     pages.wait_for_pages(true);
