@@ -218,16 +218,21 @@ class Descent {
     template <class V>
     static bool is_there(const V& v, Subtree& subtree) {
         return !v.hierarchy.is_portal(v.hierarchy.nodes()[subtree.node]) ||
-               v.hierarchy.follow(subtree, stand_in_error_px(v, subtree));
+               v.hierarchy.follow(subtree, urgency(v, subtree));
     }
-    /// Contents of cells that would be opened at twice the resolution, or half the distance, are asked for before they
-    /// are drawn (Klein et al. 2002, section 6.2: the cut and some levels more).
+    /// How far a stand-in is beyond the tolerance: 1 and more where its contents are drawn.
+    template <class V>
+    static float urgency(const V& v, const Subtree& subtree) {
+        return stand_in_error_px(v, subtree) / v.view.tolerance_px;
+    }
+    /// Contents of cells that would be opened from a little nearer are asked for before they are drawn (Klein et al.
+    /// 2002, section 6.2: the cut and some levels more, but levels double what is in use).
     template <class V>
     static void expect_contents(const V& v, const Subtree& subtree) {
+        constexpr float nearer = 0.8f;
         const Node& node = v.hierarchy.nodes()[subtree.node];
         if (!v.hierarchy.is_portal(node)) return;
-        const float error = stand_in_error_px(v, subtree);
-        if (2 * error > v.view.tolerance_px) v.hierarchy.expect(node, error);
+        if (const float u = urgency(v, subtree); u > nearer) v.hierarchy.expect(node, u);
     }
 
     template <class V>

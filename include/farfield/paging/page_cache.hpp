@@ -174,8 +174,9 @@ class PageCache {
             if (slot == PageSlots::none) ask(page, weight);
             return slot;
         }
-        /// Asks for a page that later frames may want, if it is not there; it then counts as used.
-        void ask_if_missing(std::uint32_t page, float weight) {
+        /// Asks for a page that later frames may want, if it is not there; otherwise it counts as used, a little.
+        void expect(std::uint32_t page, float weight) {
+            weight = std::min(weight, 1.0f) * 0.25f;
             if (cache_->slots_.find(page, frame_, weight) == PageSlots::none) ask(page, weight);
         }
         /// Loads it now, if there is room.

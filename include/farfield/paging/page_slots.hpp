@@ -75,7 +75,8 @@ class PageSlots {
     std::uint32_t frames() const { return frames_.load(std::memory_order_relaxed); }
 
     /// Memory for a page of this weight, or none: all is in use for what counts half as much or more, or will be free
-    /// when frames end that run now. `own`: the caller's frame, if it runs one, which uses no page but those that it
+    /// when frames end that run now. What weighs less than 1 is not needed yet, and replaces only what was not needed
+    /// for long. `own`: the caller's frame, if it runs one, which uses no page but those that it
     /// has found. Visits of users that have drawn nothing for long do not count.
     std::uint32_t take(float weight, const std::vector<PageVisits*>& all, const PageVisits* own) {
         if (!free_.empty()) {
@@ -162,7 +163,9 @@ class PageSlots {
             const std::uint32_t last = v->last_frame.load(std::memory_order_relaxed);
             if (last != 0 && now - last < frames_between_loads) in_use = std::min(in_use, last);
         }
-        const std::uint64_t most = std::uint64_t(in_use) << 32 | std::bit_cast<std::uint32_t>(weight * 0.5f);
+        const std::uint64_t most =
+            weight < 1 ? std::uint64_t(now > frames_between_loads ? now - frames_between_loads : 0) << 32
+                       : std::uint64_t(in_use) << 32 | std::bit_cast<std::uint32_t>(weight * 0.5f);
         std::uint32_t victim = none;
         std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
         for (std::uint32_t i = 0; i < slot_count_; ++i) {

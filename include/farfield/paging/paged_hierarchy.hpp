@@ -131,9 +131,7 @@ class PagedHierarchy {
         return true;
     }
     /// Asks for the contents of a node that frames to come may draw.
-    void expect(const Node& portal, float weight) const {
-        user_.ask_if_missing(detail::portal_of(portal).page, weight);
-    }
+    void expect(const Node& portal, float weight) const { user_.expect(detail::portal_of(portal).page, weight); }
     void begin_frame() const { user_.begin_frame(); }
     void end_frame() const { user_.end_frame(); }
     bool is_in_frame() const { return user_.is_in_frame(); }
