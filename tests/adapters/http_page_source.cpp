@@ -63,10 +63,13 @@ HttpServer::Answer chunked(std::string_view bytes) {
     *std::to_chars(size, size + 31, bytes.size(), 16).ptr = '\0';
     f.content_length = "";
     f.more_fields = "Transfer-Encoding: chunked\r\nTrailer: ETag\r\n";
-    f.body = std::string(size) + "\r\n" + std::string(bytes) + "\r\n0\r\nHTTP/1.1 200: OK\r\nETag: \"trailing\"\r\n\r\n";
+    f.body =
+        std::string(size) + "\r\n" + std::string(bytes) + "\r\n0\r\nHTTP/1.1 200: OK\r\nETag: \"trailing\"\r\n\r\n";
     return file(f);
 }
 
+const HttpOptions patient{.head_bytes = 1000};
+/// For servers that are silent. A good one may be too slow for it on a busy machine.
 const HttpOptions hasty{.connect_timeout = 150ms, .answer_timeout = 150ms, .head_bytes = 1000};
 
 /// The bytes if they came, else the message; the bytes around the buffer must be as they were.
@@ -89,9 +92,9 @@ bool is_right(const Outcome& outcome, std::size_t at, const std::string& all = c
 }
 
 /// What the opening of it says behind the address.
-std::string refusal(const std::string& url, const std::string& name) {
+std::string refusal(const std::string& url, const std::string& name, const HttpOptions& options = patient) {
     try {
-        const HttpPageSource source(url, hasty);
+        const HttpPageSource source(url, options);
         return "it opens";
     } catch (const std::runtime_error& e) {
         const std::string start = "farfield::HttpPageSource: " + name + ": ", what = e.what();
@@ -100,11 +103,21 @@ std::string refusal(const std::string& url, const std::string& name) {
     }
 }
 
+HttpPageSource opened_in_haste(const std::string& url) {
+    for (int i = 0; i < 50; ++i) {
+        try {
+            return HttpPageSource(url, hasty);
+        } catch (const std::runtime_error&) {
+        }
+    }
+    return HttpPageSource(url, hasty);
+}
+
 }  // namespace
 
 TEST_CASE("one request opens a file, and reads of its beginning ask nobody") {
     HttpServer server(file());
-    HttpPageSource source(server.url(), hasty);
+    HttpPageSource source(server.url(), patient);
     CHECK(source.size() == content.size());
     CHECK(is_right(read(source, 0, 1000), 0));
     CHECK(is_right(read(source, 990, 10), 990));
@@ -130,7 +143,7 @@ TEST_CASE("one request opens a file, and reads of its beginning ask nobody") {
 
 TEST_CASE("a read beyond the end of a file on a server is refused without asking it") {
     HttpServer server(file());
-    HttpPageSource source(server.url(), hasty);
+    HttpPageSource source(server.url(), patient);
     CHECK(read(source, 299'999, 2).status == ReadStatus::refused);
     CHECK(read(source, 300'001, 0).status == ReadStatus::refused);
     CHECK(read(source, std::numeric_limits<std::uint64_t>::max(), 100).status == ReadStatus::refused);
@@ -140,7 +153,7 @@ TEST_CASE("a read beyond the end of a file on a server is refused without asking
 TEST_CASE("small and empty files on a server") {
     HttpServer server(file({std::string_view(content).substr(0, 10)}));
     {
-        HttpPageSource source(server.url(), hasty);
+        HttpPageSource source(server.url(), patient);
         CHECK(source.size() == 10);
         CHECK(is_right(read(source, 0, 10), 0));
         CHECK(read(source, 0, 11).status == ReadStatus::refused);
@@ -149,7 +162,7 @@ TEST_CASE("small and empty files on a server") {
     for (const char* const empty : {"HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n",
                                     "HTTP/1.1 416 No\r\nContent-Range: bytes */0\r\nContent-Length: 4\r\n\r\nnope"}) {
         server.behave(fixed(empty));
-        HttpPageSource source(server.url(), hasty);
+        HttpPageSource source(server.url(), patient);
         CHECK(source.size() == 0);
         CHECK(read(source, 0, 0).status == ReadStatus::done);
         CHECK(read(source, 0, 1).status == ReadStatus::refused);
@@ -158,7 +171,7 @@ TEST_CASE("small and empty files on a server") {
 
 TEST_CASE("threads read at once, each over a connection that stays open") {
     HttpServer server(file());
-    HttpPageSource source(server.url(), hasty);
+    HttpPageSource source(server.url(), patient);
     std::atomic<int> wrong{0};
     std::vector<std::thread> threads;
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
@@ -183,6 +196,12 @@ TEST_CASE("what cannot be opened says why, and what to do") {
     const auto why = [&](HttpServer::Answer answer) {
         server.behave(std::move(answer));
         return refusal(server.url(), server.url());
+    };
+    const auto is_timed_out = [&](HttpServer::Answer answer) {
+        server.behave(std::move(answer));
+        const std::string what = refusal(server.url(), server.url(), hasty);
+        UNSCOPED_INFO(what);
+        return what.find("timed out after") != std::string::npos;
     };
     const std::string whole =
         "answers 200: the server sends whole files only: use one that sends ranges of bytes (Accept-Ranges: bytes)";
@@ -209,9 +228,9 @@ TEST_CASE("what cannot be opened says why, and what to do") {
           "answers 302: that is no answer to a request for a range of bytes");
     CHECK(why(fixed("", End::close)) == "Empty reply from server");
     CHECK(why(fixed("I speak no HTTP\r\n\r\n", End::close)) == "Received HTTP/0.9 when not allowed");
-    CHECK(why(fixed("", End::silence)).find("timed out after") != std::string::npos);
+    CHECK(is_timed_out(fixed("", End::silence)));
     CHECK(why(cut(500, End::close)).find("closed with 500 bytes remaining") != std::string::npos);
-    CHECK(why(cut(500, End::silence)).find("timed out after") != std::string::npos);
+    CHECK(is_timed_out(cut(500, End::silence)));
     CHECK(why(chunked(std::string_view(content).substr(0, 999))) == "sends fewer bytes than it says");
     CHECK(why(chunked(std::string_view(content).substr(0, 1001))) == "sends more bytes than it says");
 }
@@ -233,7 +252,7 @@ TEST_CASE("what is no address of a file on a web server is refused, and password
     CHECK(server.requests()[0].path() == "/f?secret");
     CHECK(server.requests()[0].field("Authorization") == "Basic bWU6c2VjcmV0");
     server.behave(file());
-    HttpPageSource source(server.url("/f?secret", "me:secret@"), hasty);
+    HttpPageSource source(server.url("/f?secret", "me:secret@"), patient);
     server.behave(fixed("HTTP/1.1 503 No\r\nContent-Length: 0\r\n\r\n"));
     CHECK(read(source, 2000, 10).message == server.url() + ": answers 503: the server cannot do it now");
 }
@@ -251,7 +270,7 @@ TEST_CASE("a server that is not there") {
 
 TEST_CASE("whatever a server does later, a read says what, and the next one is right when the server is") {
     HttpServer server(file());
-    HttpPageSource source(server.url(), hasty);
+    HttpPageSource source(server.url(), patient), hasty_source(opened_in_haste(server.url()));
     struct Case {
         const char* name;
         HttpServer::Answer answer;
@@ -319,16 +338,22 @@ TEST_CASE("whatever a server does later, a read says what, and the next one is r
     };
     for (const Case& c : cases) {
         CAPTURE(c.name);
+        const bool is_silent = std::string_view(c.message) == "timed out";
+        HttpPageSource& reader = is_silent ? hasty_source : source;
         server.behave(c.answer);
         const auto begin = std::chrono::steady_clock::now();
-        const Outcome outcome = read(source, 5000, 2000);
+        const Outcome outcome = read(reader, 5000, 2000);
         CHECK(outcome.status == c.status);
         CHECK(outcome.message.find(server.url() + ": ") == 0);
         CHECK(outcome.message.find(c.message) != std::string::npos);
-        CHECK(std::chrono::steady_clock::now() - begin < 5s);
-        CHECK(is_right(read(source, 10, 100), 10));  // what is kept asks nobody
+        if (is_silent) CHECK(std::chrono::steady_clock::now() - begin < 5s);
+        CHECK(is_right(read(reader, 10, 100), 10));  // what is kept asks nobody
         server.behave(file());
-        CHECK(is_right(read(source, 5000, 2000), 5000));
+        Outcome after = read(reader, 5000, 2000);
+        for (int i = 0; is_silent && after.status == ReadStatus::unavailable && i < 50; ++i) {
+            after = read(reader, 5000, 2000);
+        }
+        CHECK(is_right(after, 5000));
     }
     server.behave(chunked(asked));
     CHECK(is_right(read(source, 5000, 2000), 5000));
@@ -345,7 +370,7 @@ TEST_CASE("whatever a server does later, a read says what, and the next one is r
 
 TEST_CASE("a file that is replaced while threads read it is found changed, and never half of each") {
     HttpServer server(file());
-    HttpPageSource source(server.url(), hasty);
+    HttpPageSource source(server.url(), patient);
     HttpFile other{other_content};
     other.etag = "\"2\"";
     std::atomic<int> done{0}, changed{0}, wrong{0};
@@ -368,14 +393,14 @@ TEST_CASE("a file that is replaced while threads read it is found changed, and n
     for (std::thread& t : threads) t.join();
     CHECK(wrong == 0);
     CHECK(done >= 40);
-    HttpPageSource again(server.url(), hasty);
+    HttpPageSource again(server.url(), patient);
     CHECK(is_right(read(again, 7000, 5000), 7000, other_content));
 }
 
 TEST_CASE("a server that goes and comes back") {
     auto server = std::make_unique<HttpServer>(file());
     const std::uint16_t port = server->port();
-    HttpPageSource source(server->url(), hasty);
+    HttpPageSource source(server->url(), patient);
     CHECK(is_right(read(source, 5000, 2000), 5000));
     server.reset();
     for (int i = 0; i < 2; ++i) {
@@ -393,7 +418,7 @@ TEST_CASE("a connection that the server closed between reads is opened again uns
         reply.end = End::close;
         return reply;
     });
-    HttpPageSource source(server.url(), hasty);
+    HttpPageSource source(server.url(), patient);
     for (std::size_t i = 0; i < 5; ++i) CHECK(is_right(read(source, 5000 + i, 2000), 5000 + i));
     CHECK(server.connections() == 6);
 }
@@ -407,7 +432,7 @@ TEST_CASE("a file without a strong ETag is asked for by its time") {
         f.etag = "W/\"1\"";
     }
     HttpServer server(file(f));
-    HttpPageSource source(server.url(), hasty);
+    HttpPageSource source(server.url(), patient);
     CHECK(is_right(read(source, 5000, 2000), 5000));
     CHECK(server.requests()[1].field("If-Match").empty());
     CHECK(server.requests()[1].field("If-Unmodified-Since") == f.last_modified);
@@ -422,7 +447,7 @@ TEST_CASE("a redirection is followed") {
         if (r.path() == "/g") return HttpFile{content}.reply(r);
         return HttpReply{"HTTP/1.1 302 Found\r\nLocation: /g\r\nETag: \"9\"\r\nContent-Length: 4\r\n\r\nnope"};
     });
-    HttpPageSource source(server.url(), hasty);
+    HttpPageSource source(server.url(), patient);
     CHECK(source.size() == content.size());
     CHECK(is_right(read(source, 5000, 2000), 5000));
     CHECK(server.connections() == 1);
@@ -454,7 +479,7 @@ TEST_CASE("reads of a server that is silent can be given up") {
 
 TEST_CASE("a source on a server is moved with its connections") {
     HttpServer server(file());
-    HttpPageSource source(server.url(), hasty);
+    HttpPageSource source(server.url(), patient);
     HttpPageSource other(std::move(source));
     CHECK(is_right(read(other, 5000, 2000), 5000));
     source = std::move(other);
@@ -551,12 +576,12 @@ TEST_CASE("nginx serves pages as it is, and what it says of other files is under
     CHECK(why("/none") == "answers 404: there is no such file: check the address");
     CHECK(why("/whole").find("answers 200: the server sends whole files only") == 0);
     CHECK(why("/busy").find("answers 503: the server cannot do it now") == 0);
-    CHECK(HttpPageSource(nginx.url("/empty"), hasty).size() == 0);
-    HttpPageSource small(nginx.url("/small"), hasty);
+    CHECK(HttpPageSource(nginx.url("/empty"), patient).size() == 0);
+    HttpPageSource small(nginx.url("/small"), patient);
     CHECK(small.size() == 10);
     CHECK(read(small, 3, 4).bytes == "3456");
 
-    HttpPageSource source(nginx.url("/f"), hasty);
+    HttpPageSource source(nginx.url("/f"), patient);
     REQUIRE(source.size() == content.size());
     std::atomic<int> wrong{0};
     std::vector<std::thread> threads;
@@ -583,7 +608,7 @@ TEST_CASE("nginx serves pages as it is, and what it says of other files is under
     CHECK(read(source, 5000, 2000).status == ReadStatus::changed);
     CHECK(read(source, 5000, 2000).message ==
           nginx.url("/f") + ": answers 412: the file has changed since it was opened: open it again");
-    HttpPageSource again(nginx.url("/f"), hasty);
+    HttpPageSource again(nginx.url("/f"), patient);
     CHECK(is_right(read(again, 5000, 2000), 5000, other_content));
     std::filesystem::rename(directory / "f", directory / "away");
     CHECK(read(again, 5000, 2000).message == nginx.url("/f") + ": answers 404: the file is not there any more");
