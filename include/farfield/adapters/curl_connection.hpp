@@ -1,4 +1,8 @@
 // One connection to a web server, by libcurl: a request at a time, and everything checked before a byte is taken.
+//
+// Every request has an easy handle of its own; the connection is kept by the multi handle. curl 7.88, which Debian 12
+// has, reads freed memory where a handle is used again and the first field of an answer begins with a blank: any server
+// can send that. And whoever waits in a multi handle can be woken.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -33,10 +37,13 @@ namespace farfield::detail {
 
 /// Frees what curl gave.
 struct CurlFree {
-    void operator()(CURL* handle) const { ::curl_easy_cleanup(handle); }
+    void operator()(CURLM* handle) const { ::curl_multi_cleanup(handle); }
     void operator()(CURLU* url) const { ::curl_url_cleanup(url); }
     void operator()(curl_slist* list) const { ::curl_slist_free_all(list); }
     void operator()(char* text) const { ::curl_free(text); }
+};
+struct CurlEasyFree {
+    void operator()(CURL* handle) const { ::curl_easy_cleanup(handle); }
 };
 using CurlText = std::unique_ptr<char, CurlFree>;
 using CurlLines = std::unique_ptr<curl_slist, CurlFree>;
@@ -102,12 +109,13 @@ struct HttpTarget {
 
 class CurlConnection {
   public:
-    CurlConnection* next = nullptr;  ///< in the list of those that nobody uses
+    CurlConnection* next_idle = nullptr;  ///< in the list of those that nobody uses
+    CurlConnection* next_made = nullptr;  ///< in the list of all
 
     /// Null if there is no memory. The target outlives it.
     static CurlConnection* make(const HttpTarget& target) noexcept {
         std::unique_ptr<CurlConnection> made(new (std::nothrow) CurlConnection(target));
-        return made != nullptr && made->is_set_up() ? made.release() : nullptr;
+        return made != nullptr && made->multi_ != nullptr ? made.release() : nullptr;
     }
 
     /// Of the first bytes of the file, as many as there are. It fills in what the server says of the file.
@@ -124,16 +132,20 @@ class CurlConnection {
         return performed(offset, bytes);
     }
 
+    /// A read that waits looks at once whether it was given up. For other threads to call.
+    void wake() noexcept { ::curl_multi_wakeup(multi_.get()); }
+
   private:
-    explicit CurlConnection(const HttpTarget& target) : target_(target), curl_(::curl_easy_init()) {}
+    explicit CurlConnection(const HttpTarget& target) : target_(target), multi_(::curl_multi_init()) {}
 
     template <class Value>
     bool set(CURLoption option, Value value) {
-        return ::curl_easy_setopt(curl_.get(), option, value) == CURLE_OK;
+        return ::curl_easy_setopt(easy_.get(), option, value) == CURLE_OK;
     }
 
     bool is_set_up() {
-        if (curl_ == nullptr) return false;
+        easy_.reset(::curl_easy_init());
+        if (easy_ == nullptr) return false;
         const HttpOptions& options = target_.options;
         const long seconds = std::max(1L, long((options.answer_timeout.count() + 999) / 1000));
         return set(CURLOPT_URL, target_.url.c_str()) && set(CURLOPT_NOSIGNAL, 1L) &&
@@ -145,9 +157,7 @@ class CurlConnection {
                set(CURLOPT_LOW_SPEED_LIMIT, long(options.least_bytes_per_second)) &&
                set(CURLOPT_LOW_SPEED_TIME, seconds) && set(CURLOPT_ERRORBUFFER, error_.data()) &&
                set(CURLOPT_HEADERFUNCTION, &on_header) && set(CURLOPT_HEADERDATA, static_cast<void*>(this)) &&
-               set(CURLOPT_WRITEFUNCTION, &on_bytes) && set(CURLOPT_WRITEDATA, static_cast<void*>(this)) &&
-               set(CURLOPT_XFERINFOFUNCTION, &on_progress) && set(CURLOPT_XFERINFODATA, static_cast<void*>(this)) &&
-               set(CURLOPT_NOPROGRESS, 0L);
+               set(CURLOPT_WRITEFUNCTION, &on_bytes) && set(CURLOPT_WRITEDATA, static_cast<void*>(this));
     }
     /// Nobody is redirected to a file of his own, nor from https to http.
     bool set_protocols() {
@@ -168,18 +178,34 @@ class CurlConnection {
         is_judged_ = is_too_long_ = false;
         offset_ = offset;
         asked_ = free_ = bytes;
-        if (!set_range(offset, bytes.size()) || !set(CURLOPT_TIMEOUT_MS, time_for(bytes.size()))) {
+        if (!is_set_up() || !set_range(offset, bytes.size()) || !set(CURLOPT_TIMEOUT_MS, time_for(bytes.size()))) {
             return not_read(ReadStatus::unavailable, {target_.name, ": there is no memory for a request"});
         }
         error_[0] = '\0';
-        return result_of(target_.is_cancelled ? CURLE_ABORTED_BY_CALLBACK : ::curl_easy_perform(curl_.get()));
+        const ReadResult result = result_of(code_of_transfer());
+        easy_.reset();
+        return result;
+    }
+    CURLcode code_of_transfer() noexcept {
+        if (::curl_multi_add_handle(multi_.get(), easy_.get()) != CURLM_OK) return CURLE_OUT_OF_MEMORY;
+        CURLcode code = CURLE_ABORTED_BY_CALLBACK;
+        while (!target_.is_cancelled) {
+            int running = 0, messages = 0;
+            if (::curl_multi_perform(multi_.get(), &running) != CURLM_OK) break;
+            if (const CURLMsg* const message = ::curl_multi_info_read(multi_.get(), &messages)) {
+                code = message->data.result;  // there is no other message than that it is done
+                break;
+            }
+            if (::curl_multi_poll(multi_.get(), nullptr, 0, 1000, nullptr) != CURLM_OK) break;
+        }
+        ::curl_multi_remove_handle(multi_.get(), easy_.get());
+        return code;
     }
     bool set_range(std::uint64_t offset, std::uint64_t count) {
-        std::array<char, 48> text{};
-        char* const end = text.data() + text.size();
-        char* at = std::to_chars(text.data(), end, offset).ptr;
-        *at++ = '-';
-        std::to_chars(at, end - 1, offset + count - 1);
+        std::array<char, 48> text{};  // two numbers of 20 digits at most
+        char* at = std::to_chars(text.data(), text.data() + 20, offset).ptr;
+        *at = '-';
+        std::to_chars(at + 1, at + 21, offset + count - 1);
         return set(CURLOPT_RANGE, static_cast<const char*>(text.data()));
     }
     long time_for(std::uint64_t count) const {
@@ -202,6 +228,7 @@ class CurlConnection {
         }
         if (target_.is_cancelled && code != CURLE_OK) return unavailable("given up");
         if (is_too_long_) return unavailable("sends more bytes than it says");
+        if (code == CURLE_WRITE_ERROR) return unavailable("its answer cannot be taken");
         if (code != CURLE_OK) return unavailable(error_[0] != '\0' ? error_.data() : ::curl_easy_strerror(code));
         if (!is_judged_) return unavailable("redirects to nowhere");
         if (received() != expected()) return unavailable("sends fewer bytes than it says");
@@ -248,12 +275,10 @@ class CurlConnection {
         free_ = free_.subspan(count);
         return true;
     }
-    static int on_progress(void* self, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
-        return static_cast<CurlConnection*>(self)->target_.is_cancelled ? 1 : 0;
-    }
 
     const HttpTarget& target_;
-    std::unique_ptr<CURL, CurlFree> curl_;
+    std::unique_ptr<CURLM, CurlFree> multi_;
+    std::unique_ptr<CURL, CurlEasyFree> easy_;  ///< goes before the one that it may be added to
     std::array<char, CURL_ERROR_SIZE> error_{};
     // The request that is being made.
     HttpAnswer answer_;

@@ -97,6 +97,7 @@ struct HttpAnswer {
     }
 
     void take(std::string_view line) {
+        if (line.starts_with(' ') || line.starts_with('\t')) return;  // goes on with a field that nobody asked for
         line = trimmed(line);
         if (line.starts_with("HTTP/")) {
             clear();
@@ -213,6 +214,7 @@ inline HttpVerdict judged(const HttpAnswer& a, std::uint64_t first, std::uint64_
         default:
             break;
     }
+    if (a.status == 0) return {ReadStatus::unavailable, "that is no status"};
     if (a.status == 408 || a.status == 425 || a.status == 429 || a.status / 100 == 5) {
         return {ReadStatus::unavailable, "the server cannot do it now"};
     }

@@ -19,8 +19,9 @@ struct HttpOptions {
     std::uint64_t least_bytes_per_second = 16u << 10;
     /// These are asked for when the file is opened, and kept.
     std::size_t head_bytes = 64u << 10;
-    /// A gap takes as long as a round trip of 20 ms at 100 Mbit/s; six at once is what browsers ask of one server.
-    ReadMerging merging{.largest_gap = 256u << 10, .largest_read = 2u << 20, .most_reads_at_once = 6};
+    /// A gap takes as long as a round trip of 20 ms at 100 Mbit/s. With such a delay, 100 pages of 64 KiB take 2.1 s
+    /// one by one, 0.52 s four at once, 0.27 s eight at once.
+    ReadMerging merging{.largest_gap = 256u << 10, .largest_read = 2u << 20, .most_reads_at_once = 8};
 };
 
 }  // namespace farfield

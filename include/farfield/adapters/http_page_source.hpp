@@ -79,15 +79,21 @@ class HttpPageSource {
         return connection->read(offset, bytes);
     }
 
-    /// Reads end within a second, and they and all later ones are unavailable.
-    void cancel() noexcept { state_->target.is_cancelled = true; }
+    /// Reads end at once, and they and all later ones are unavailable, but for those of the first bytes.
+    void cancel() noexcept {
+        state_->target.is_cancelled = true;
+        const std::lock_guard lock(state_->mutex);
+        for (auto* connection = state_->made; connection != nullptr; connection = connection->next_made) {
+            connection->wake();
+        }
+    }
 
   private:
     /// Connections go back to where they were taken from.
     struct State {
         State(const std::string& url, const HttpOptions& options) : target(url, options) {}
         ~State() {
-            while (idle != nullptr) delete std::exchange(idle, idle->next);
+            while (made != nullptr) delete std::exchange(made, made->next_made);
         }
         State(const State&) = delete;
         State& operator=(const State&) = delete;
@@ -96,22 +102,25 @@ class HttpPageSource {
             State* state;
             void operator()(detail::CurlConnection* connection) const {
                 const std::lock_guard lock(state->mutex);
-                connection->next = std::exchange(state->idle, connection);
+                connection->next_idle = std::exchange(state->idle, connection);
             }
         };
         /// The connection that was used last, which is open most probably, or a new one; null if there is no memory.
         std::unique_ptr<detail::CurlConnection, GiveBack> taken() noexcept {
-            {
-                const std::lock_guard lock(mutex);
-                if (idle != nullptr) return {std::exchange(idle, idle->next), GiveBack{this}};
+            const std::lock_guard lock(mutex);
+            auto* connection = idle;
+            if (connection != nullptr) {
+                idle = connection->next_idle;
+            } else if ((connection = detail::CurlConnection::make(target)) != nullptr) {
+                connection->next_made = std::exchange(made, connection);
             }
-            return {detail::CurlConnection::make(target), GiveBack{this}};
+            return {connection, GiveBack{this}};
         }
 
         detail::HttpTarget target;
         std::vector<std::byte> head;
         std::mutex mutex;
-        detail::CurlConnection* idle = nullptr;
+        detail::CurlConnection *made = nullptr, *idle = nullptr;
     };
     std::unique_ptr<State> state_;
 };
