@@ -43,6 +43,7 @@ may_include(paging storage frame ${hierarchy}) # a page is checked as a file is
 may_include(build_pages build storage paging frame ${hierarchy})
 may_include(build_pages.hpp build_pages build build.hpp sampler storage paging frame ${hierarchy})
 may_include(paging ${hierarchy})
+may_include(adapters paging ${contracts}) # what needs another library: nothing includes it
 may_include(frame ${hierarchy})
 may_include(viewer.hpp ${frame})
 may_include(pick.hpp ${frame})
@@ -68,6 +69,7 @@ tested_by(composition missing_hooks approximation approximation/exact cost_model
 tested_by(consumer/main farfield)
 tested_by(consumer/settings settings)
 # Records without functions are tested by what makes them.
+tested_by(adapters/http_page_source adapters/curl_connection adapters/http_options)
 tested_by(build build/build_progress)
 tested_by(approximation/color_cube/cube_lanes approximation/placed/placed_splats)
 tested_by(approximation/image_cache frame/image_chooser frame/image_maker raster/samples/kept_image raster/samples/image_fill
