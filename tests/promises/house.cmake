@@ -42,7 +42,6 @@ may_include(storage ${hierarchy})
 may_include(paging storage frame ${hierarchy}) # a page is checked as a file is
 may_include(build_pages build storage paging frame ${hierarchy})
 may_include(build_pages.hpp build_pages build build.hpp sampler storage paging frame ${hierarchy})
-may_include(paging ${hierarchy})
 may_include(adapters paging ${contracts}) # what needs another library: nothing includes it
 may_include(frame ${hierarchy})
 may_include(viewer.hpp ${frame})
