@@ -477,7 +477,7 @@ TEST_CASE("Several on one cache, behind faults of all kinds, see pages that are 
             Random random(seed);
             for (int life = 0; life < 4; ++life) {
                 PageCache::User user(p.cache);
-                for (int i = 0; i < 60; ++i) {
+                for (int i = 0; i < 300; ++i) {
                     user.begin_frame();
                     std::vector<std::pair<std::uint32_t, std::uint32_t>> seen;
                     for (int k = 0; k < 20; ++k) {

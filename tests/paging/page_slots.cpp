@@ -223,7 +223,7 @@ TEST_CASE("A random walk keeps to what pages and slots may do") {
             std::vector<std::uint32_t> loads{};  ///< frames
         };
         std::vector<Model> model(pages);
-        std::vector<std::uint32_t> running(3);                                          // frames
+        std::vector<std::uint32_t> running(3);                                      // frames
         std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> seen(3);  // pages and slots that they found
         std::uint64_t evicted = 0, loaded = 0;
         for (int step = 0; step < 3000; ++step) {
@@ -271,8 +271,8 @@ TEST_CASE("A random walk keeps to what pages and slots may do") {
                 if (loads.size() >= 3) REQUIRE(loads.back() - loads[loads.size() - 3] >= 60);
                 ++loaded;
             }
-            const auto resident = std::size_t(std::count_if(
-                model.begin(), model.end(), [](const Model& m) { return m.slot != PageSlots::none; }));
+            const auto resident = std::size_t(
+                std::count_if(model.begin(), model.end(), [](const Model& m) { return m.slot != PageSlots::none; }));
             REQUIRE(t.slots.resident() == resident);
             REQUIRE(t.slots.evictions() == evicted);
         }

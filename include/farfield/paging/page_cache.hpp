@@ -259,7 +259,8 @@ class PageCache {
     /// Buffers take an eighth of the memory at most; where that is small, pages are read one by one.
     std::uint32_t pages_a_read() const {
         const std::uint64_t fit = options_.most_bytes / 8 / std::max(threads_wanted_, 1u) / places_.page_bytes;
-        return std::uint32_t(std::clamp<std::uint64_t>(std::min(merging_.largest_read / places_.page_bytes, fit), 1, 64));
+        return std::uint32_t(
+            std::clamp<std::uint64_t>(std::min(merging_.largest_read / places_.page_bytes, fit), 1, 64));
     }
     /// One page is read to where it will lie.
     std::size_t buffer_bytes(std::uint32_t pages) const {

@@ -194,7 +194,7 @@ struct PageRecords {
     static constexpr std::uint64_t page_bytes(std::uint64_t wanted, std::uint64_t needed) {
         const std::uint64_t below = std::min(wanted, most_bytes) / common_multiple * common_multiple;
         return below >= needed && below != 0 ? below
-                                                : least_multiple_of(common_multiple, std::max(needed, common_multiple));
+                                             : least_multiple_of(common_multiple, std::max(needed, common_multiple));
     }
 };
 

@@ -267,8 +267,8 @@ PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string&
     if constexpr (A::facts.samples_primitives) file->approximation.samples_up_to_px = 0;
     const detail::PageExpected expected{0, header.page_count, header.facts.fingerprint};
     PageCacheOptions possible = options;
-    possible.most_bytes = std::size_t(std::min<std::uint64_t>(
-        options.most_bytes, detail::PageRecords<H, P>::most_bytes_in_memory));
+    possible.most_bytes =
+        std::size_t(std::min<std::uint64_t>(options.most_bytes, detail::PageRecords<H, P>::most_bytes_in_memory));
     file->cache = std::make_shared<detail::PageCache>(
         where, detail::PagePlaces{header.first_page, header.page_bytes, header.page_count}, source->merging(),
         [source](std::uint64_t offset, std::span<std::byte> bytes) { return source->read(offset, bytes); },
@@ -280,7 +280,8 @@ PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string&
             if (why == nullptr) detail::place_page<H, P>(page, begin);
             return why;
         },
-        possible, [source] {
+        possible,
+        [source] {
             if constexpr (CancellablePageSource<S>) source->cancel();
         });
     Paged pages(std::shared_ptr<const typename Paged::File>(std::move(file)));
