@@ -206,7 +206,7 @@ TEST_CASE("What another build has left does not get into this one, nor what is l
         stopped.page_bytes = page_bytes;
         int groups = 0;
         stopped.build.progress = [&](const BuildProgress& p) {
-            return p.phase != BuildPhase::building || ++groups < 3;
+            return p.phase != BuildPhase::building || ++groups < 2;
         };
         CHECK_THROWS_AS((build_pages<Tensors, Triangle>(stream_of(of), path, stopped)), BuildCanceled);
         REQUIRE(std::filesystem::exists(directory / "scene.farfield.0-of-1.journal"));
@@ -222,7 +222,7 @@ TEST_CASE("What another build has left does not get into this one, nor what is l
     leave(scene, 16384);
     goes_on();
     Random random(7);
-    for (int damage = 0; damage < 12; ++damage) {
+    for (int damage = 0; damage < 8; ++damage) {
         leave(scene, 8192);
         const auto journal = directory / "scene.farfield.0-of-1.journal";
         std::vector<char> bytes = bytes_of_file(journal);

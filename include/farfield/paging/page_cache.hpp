@@ -29,7 +29,8 @@
 namespace farfield {
 
 struct PageCacheOptions {
-    /// A limit that is never exceeded: pages, what is being read, and the cache's own tables together.
+    /// A limit that is never exceeded: pages, what is being read, and the cache's own tables together. Every viewer
+    /// takes 8 bytes a page beside, and what it asks for.
     std::size_t most_bytes = std::size_t(256) << 20;
     /// Off: nothing is loaded but by load_wanted() and by viewers that wait, on their threads.
     bool loads_in_background = true;

@@ -107,6 +107,11 @@ class PagedHierarchy {
         }
     }
     void prefetch_data_of(std::uint32_t) const {}
+    /// The same wherever its page lies.
+    std::uint32_t name_of(std::uint32_t node) const {
+        const std::size_t at = std::size_t(node) * sizeof(Node), in_page = at % page_bytes();
+        return std::uint32_t(detail::mixed(header_at(at - in_page).number, std::uint64_t(in_page)));
+    }
 
     /// The root, which is always there: its own stand-in is not needed.
     Subtree whole() const {
