@@ -218,6 +218,16 @@ std::string wrong_page_file(std::span<const std::byte> bytes, PageFileHeader& he
 
 }  // namespace detail
 
+/// Whether what a source holds says that it is a file of pages of H over P: for programs that know several.
+template <Pageable H, PageablePrimitive P, PageSource S>
+bool holds_pages_of(S& source) {
+    detail::PageFileHeader header;
+    if (source.size() < sizeof header) return false;
+    const auto bytes = std::as_writable_bytes(std::span(&header, 1));
+    return source.read(0, bytes).status == ReadStatus::done && header.magic == detail::page_file_magic &&
+           header.records == detail::page_records<H, P>();
+}
+
 /// Opens a file of pages from any source, which the result and its copies share; `where` names it in messages. H and P
 /// are what it was made of. Reads its header and first page. Throws std::runtime_error if anything is wrong with them;
 /// std::invalid_argument if the options leave no room for two pages.
