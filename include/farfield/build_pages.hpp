@@ -393,7 +393,7 @@ class PageBuilder {
             hierarchies.emplace_back(b.partition, b.approximation, b.cost_model,
                                      HierarchyBuilder<H, P, Sampler>(of_part, b.partition, b.approximation,
                                                                      b.cost_model, b.sampler, budget, control)
-                                         .build_part(out.parts[i].draft));
+                                         .build_part(&out.parts[i].draft));
             trees.push_back({&hierarchies.back(), of_part});
         }
         PageForest<H, P> forest(trees, plan_.page_bytes, plan_.page_bytes);

@@ -74,8 +74,8 @@ class HierarchyBuilder {
 
     /// Builds a part of a scene (BuildBudget::part), for whoever puts parts together: its root has a stand-in whether
     /// or not that pays, and what this is made from.
-    Data build_part(typename A::stand_in_draft& root) requires(A::facts.stands_in) {
-        root_draft_ = &root;
+    Data build_part(std::add_pointer_t<DraftOf<A>> root) requires(A::facts.stands_in) {
+        root_draft_ = root;
         return build();
     }
 

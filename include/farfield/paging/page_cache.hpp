@@ -245,9 +245,9 @@ class PageCache {
     std::uint32_t pages_a_read() const {
         return std::uint32_t(std::clamp<std::uint64_t>(merging_.largest_read / places_.page_bytes, 1, 64));
     }
-    std::size_t bytes_of(std::uint64_t slots) const {
-        const std::size_t tables = PageSlots::bytes(places_.page_count, slots) + places_.page_count * sizeof(State);
-        return tables + std::size_t(slots) * places_.page_bytes +
+    std::size_t bytes_of(std::uint64_t slot_count) const {
+        const std::size_t tables = PageSlots::bytes(places_.page_count, slot_count) + places_.page_count * sizeof(State);
+        return tables + std::size_t(slot_count) * places_.page_bytes +
                std::size_t(threads_wanted_) * pages_a_read_ * places_.page_bytes;
     }
     std::uint32_t slots_within() const {
