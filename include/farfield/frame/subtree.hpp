@@ -46,6 +46,26 @@ concept PagedAtRunTime = requires(const H& h, Subtree& subtree, const Node& node
     h.expect(node, 1.0f);
 };
 
+/// The time during which pages are looked at and waited for, whatever frames do otherwise.
+template <class H>
+class WaitingFrame {
+  public:
+    explicit WaitingFrame(H& pages) : pages_(pages), waits_(pages.waits_for_pages()) {
+        pages_.wait_for_pages(true);
+        pages_.begin_frame();
+    }
+    ~WaitingFrame() {
+        pages_.end_frame();
+        pages_.wait_for_pages(waits_);
+    }
+    WaitingFrame(const WaitingFrame&) = delete;
+    WaitingFrame& operator=(const WaitingFrame&) = delete;
+
+  private:
+    H& pages_;
+    bool waits_;
+};
+
 template <class H>
 Subtree whole_of(const H& hierarchy) {
     if constexpr (PagedAtRunTime<H>) return hierarchy.whole();

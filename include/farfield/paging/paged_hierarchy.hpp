@@ -9,6 +9,7 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -78,6 +79,7 @@ class PagedHierarchy {
     /// Whether frames wait for pages instead of drawing something coarser: for pictures, not for walks. It counts for
     /// copies that are made afterwards too.
     void wait_for_pages(bool waits) { waits_ = waits; }
+    bool waits_for_pages() const { return waits_; }
 
     // What a descent asks.
 
@@ -129,6 +131,13 @@ class PagedHierarchy {
         if (to.unit >= header.unit_count || subtree.cell.depth >= most_levels_in_files) return false;
         enter_unit(subtree, slot, to.unit);
         return true;
+    }
+    /// The page that a position lies in, and which of its primitives is there.
+    std::array<std::uint32_t, 2> place_in_file(std::uint32_t position) const {
+        const std::size_t byte = std::size_t(position) * sizeof(P), begin = byte / page_bytes() * page_bytes();
+        const detail::PageHeader& header = header_at(begin);
+        const std::size_t items = begin + Records::layout(header.node_count, header.stand_in_count, 0).items;
+        return {header.number, std::uint32_t((byte - items) / sizeof(P))};
     }
     /// Asks for the contents of a node that frames to come may draw.
     void expect(const Node& portal, float weight) const { user_.expect(detail::portal_of(portal).page, weight); }
