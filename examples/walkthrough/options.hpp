@@ -36,6 +36,8 @@ struct Options {
     std::optional<double> budget_ms;  ///< that a frame of a variant may take; exact's may take any
     std::optional<std::filesystem::path> out_directory;
     std::optional<std::filesystem::path> json_file;
+    /// Where tables of errors are kept that tolerances are chosen from; none: each run measures its own.
+    std::optional<std::filesystem::path> table_directory;
 };
 
 /// Nothing where the command line asked for help or a list, which is then in `answer`. Throws UsageError.

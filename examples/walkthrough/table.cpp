@@ -140,6 +140,11 @@ void print_at_equal_error(std::ostream& out, const std::vector<Result>& results)
             << " triangles are drawn, and their time is multiplied";
     }
     out << ".\n";
+    for (const Result& r : results) {
+        if (r.measured && r.measured->was_kept) {
+            out << "What " << r.name << " errs by and costs was measured in an earlier run, over the frames of that.\n";
+        }
+    }
 }
 
 }  // namespace
