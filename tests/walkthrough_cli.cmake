@@ -231,7 +231,11 @@ if(NOT status EQUAL 2 OR NOT out STREQUAL "" OR NOT err MATCHES "cube_opacity-te
   message(SEND_ERROR "a table of another scene should be refused by name: ${status}, ${out}${err}")
 endif()
 file(WRITE "${kept}_wanted.errors" "nonsense\n")
-expect_refusal(--scene tree --variant opacity-tensor --distance 20 --size 40x30 --frames 1 --tables "${tables}")
+execute_process(COMMAND "${WALKTHROUGH}" --scene tree --variant opacity-tensor --distance 20 --size 40x30 --frames 1 --tables "${tables}"
+                RESULT_VARIABLE status ERROR_VARIABLE err)
+if(NOT status EQUAL 2 OR NOT err MATCHES "tree_opacity-tensor_z-buffer_1_wanted.errors:1: ")
+  message(SEND_ERROR "what is no table should be refused with its line: ${status}, ${err}")
+endif()
 expect_refusal(--tables "${DIRECTORY}/not_a_directory")
 expect_refusal(--tables "${tables}" --tolerance 2)
 expect_success(table --scene tree --variant color-cube --size 80x60 --frames 3 --budget-ms 5)
