@@ -145,7 +145,7 @@ TEST_CASE("small cells are split at last, into the cells that level by level the
     // With a budget of memory all is split level by level.
     constexpr std::uint64_t plenty = std::uint64_t(1) << 50;
     const Prices cheap{.splat = 0.5f, .cell = 0.01f, .run = 0.01f};
-    for (const std::size_t count : {0u, 1u, 4096u, 4097u, 60'000u}) {
+    for (const std::size_t count : {0u, 1u, 16384u, 16385u, 60'000u}) {
         Triangles triangles = mixed_triangles(count, 743);
         // Some in one place, which end at the depth limit or cannot be told apart.
         for (std::size_t i = 0; i < count / 50; ++i) triangles[i] = triangles[0];

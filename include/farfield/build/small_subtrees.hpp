@@ -35,7 +35,7 @@ template <Partition Partition_>
 class SmallSubtrees {
   public:
     using Draft = BuildNode<typename Partition_::node_data>;
-    static constexpr std::size_t most_items = 4096;  ///< 128 KB
+    static constexpr std::size_t most_items = 16384;  ///< half a megabyte
 
     /// A place for as many items, which lie in a row. Until the next call.
     std::size_t add(std::uint32_t node, std::size_t count) {
@@ -55,7 +55,7 @@ class SmallSubtrees {
         std::vector<std::size_t> ends;  // of tasks, among the roots
         for (std::size_t r = 0, begin = 0; r < roots_.size(); ++r) {
             const std::size_t end = r + 1 < roots_.size() ? roots_[r + 1].first : items_;
-            if (end - begin < 4 * most_items && r + 1 < roots_.size()) continue;
+            if (end - begin < most_items && r + 1 < roots_.size()) continue;
             ends.push_back(r + 1);
             begin = end;
         }
