@@ -267,7 +267,6 @@ TEST_CASE("triangles without an area cover no sample", "[approximation]") {
 
 TEST_CASE("masks are the same by vectors of any width", "[approximation]") {
     Random random(64);
-    AxisMasks four, eight;
     for (int i = 0; i < 4000; ++i) {
         // From a hundredth of the box to several times as large, and now and then exactly along its samples.
         const float reach = std::exp2(random.between(-6, 2));
