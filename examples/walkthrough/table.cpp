@@ -21,7 +21,7 @@ std::string number(double value, int decimals, const char* unit = "", bool with_
 }
 
 std::string tolerance(float px) {
-    std::string text = number(px, 2);
+    std::string text = number(double(px), 2);
     text.erase(text.find_last_not_of('0') + 1);
     if (text.back() == '.') text.pop_back();
     return text + " px";
