@@ -29,6 +29,17 @@
 
 namespace farfield::detail {
 
+template <class A>
+struct DraftOfApproximation {
+    using type = void;
+};
+template <class A>
+requires(A::facts.stands_in) struct DraftOfApproximation<A> {
+    using type = typename A::stand_in_draft;
+};
+template <class A>
+using DraftOf = typename DraftOfApproximation<A>::type;
+
 /// Options are borrowed. H is a SpatialHierarchy.
 template <class H, Primitive P, OrthographicSampler Sampler>
 class HierarchyBuilder {
@@ -59,6 +70,13 @@ class HierarchyBuilder {
         if constexpr (A::facts.stands_in) make_stand_ins();
         freeze();
         return std::move(data_);
+    }
+
+    /// Builds a part of a scene (BuildBudget::part), for whoever puts parts together: its root has a stand-in whether
+    /// or not that pays, and what this is made from.
+    Data build_part(std::add_pointer_t<DraftOf<A>> root) requires(A::facts.stands_in) {
+        root_draft_ = root;
+        return build();
     }
 
   private:
@@ -128,6 +146,7 @@ class HierarchyBuilder {
             if (merges) merge(drafts);
         }
         if constexpr (A::facts.samples_primitives) move_up();
+        if (root_draft_ != nullptr) *root_draft_ = drafts[0];
         choose_what_pays(
             [&](std::size_t n) { return finished_stand_in(approximation_, nodes_[n].cell, drafts[n], data_.pool); });
         if constexpr (A::facts.samples_primitives) drop_idle_nodes();
@@ -177,6 +196,7 @@ class HierarchyBuilder {
             merge(n, draft, [&](std::uint32_t child) { return &kept[place[child]]; });
             finished_[n] = finished_stand_in(approximation_, nodes_[n].cell, draft, data_.pool);
         });
+        if (root_draft_ != nullptr) *root_draft_ = kept[place[0]];
     }
     /// The first eight drafts are for the node's children, and all others for what is below these.
     template <class Draft>
@@ -246,8 +266,8 @@ class HierarchyBuilder {
         run_bottom_up(control_, levels_of(std::span<const DraftCell>(nodes_)),
                       [&](std::size_t n) { merge(n, drafts[n], [&](std::uint32_t child) { return &drafts[child]; }); });
     }
-    template <class Draft, class DraftOf>
-    void merge(std::size_t n, Draft& draft, DraftOf&& draft_of_child) const {
+    template <class Draft, class DraftOfChild>
+    void merge(std::size_t n, Draft& draft, DraftOfChild&& draft_of_child) const {
         const DraftCell& node = nodes_[n];
         std::array<ChildDraft<Draft>, 8> children;
         unsigned count = 0;
@@ -350,7 +370,9 @@ class HierarchyBuilder {
     void choose_what_pays(StandInOf&& stand_in_of) {
         const auto keep_if_it_pays = [&](std::uint32_t n, const typename A::stand_in_data& data) {
             DraftCell& node = nodes_[n];
-            const bool pays = node.cost > least_cost_ && node.cost > cost_.cost(work_of_stand_in(approximation_, data));
+            const bool pays =
+                (node.cost > least_cost_ && node.cost > cost_.cost(work_of_stand_in(approximation_, data))) ||
+                (n == 0 && root_draft_ != nullptr);
             if (pays) {
                 node.stand_in = std::uint32_t(stand_ins_.size());
                 stand_ins_.push_back(data);
@@ -444,6 +466,8 @@ class HierarchyBuilder {
     BuildBudget budget_;
     const BuildControl& control_;
 
+    /// Null where the whole scene is built. Of no use to what makes no stand-ins.
+    std::add_pointer_t<DraftOf<A>> root_draft_ = nullptr;
     Data data_;
     std::vector<DraftCell> nodes_;                        ///< parents before children
     std::vector<typename A::stand_in_data> finished_{};   ///< parallel to nodes_, where they are finished early
