@@ -172,7 +172,7 @@ void check_numbers(const Options& options) {
 std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer) {
     Options options;
     std::string variant_names = "color-cube", renderer = "z-buffer", wanted_error = "point-sampling", up, size, out,
-                json;
+                json, tables;
     double budget_ms = 0, distance = 0;
     bool wants_list = false;
 
@@ -217,6 +217,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         ->type_name("MIB");
     app.add_option("--out", out, "write pictures of up to 8 frames here")->type_name("DIR");
     app.add_option("--json", json, "write the table here")->type_name("FILE");
+    const auto* const tables_option =
+        app.add_option("--tables", tables,
+                       "read tables of errors here, that --error chooses from; measure and write those that are not")
+            ->type_name("DIR");
     app.add_flag("--list", wants_list, "show scenes, variants and renderers");
     try {
         app.parse(argc, argv);
@@ -256,6 +260,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     }
     if (!out.empty()) options.out_directory = out;
     if (!json.empty()) options.json_file = json;
+    if (tables_option->count() != 0) {
+        if (!options.error) throw UsageError("--tables keeps what --error chooses from: there is nothing to choose");
+        options.table_directory = tables;
+    }
     check_numbers(options);
     return options;
 }

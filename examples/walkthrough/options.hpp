@@ -38,6 +38,8 @@ struct Options {
     std::size_t cache_mib = 256;      ///< for pages, of scenes that are larger than memory
     std::optional<std::filesystem::path> out_directory;
     std::optional<std::filesystem::path> json_file;
+    /// Where tables of errors are kept that tolerances are chosen from; none: each run measures its own.
+    std::optional<std::filesystem::path> table_directory;
 };
 
 /// Nothing where the command line asked for help or a list, which is then in `answer`. Throws UsageError.

@@ -73,7 +73,7 @@ tested_by(build build/build_progress)
 tested_by(approximation/color_cube/cube_lanes approximation/placed/placed_splats)
 tested_by(approximation/image_cache frame/image_chooser frame/image_maker raster/samples/kept_image raster/samples/image_fill
           raster/samples/sliced_buffers)
-tested_by(build/cell_splitter build/build_node build/cell_decision)
+tested_by(build/cell_splitter build/build_node build/cell_decision build/small_subtrees)
 tested_by(build/move_up build/sample_race)
 tested_by(update build/cell_tree build/kept_cells build/kept_stand_ins build/version_before)
 tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
