@@ -94,7 +94,7 @@ TEST_CASE("a closed wall stays closed where its samples are left out", "[frame]"
 TEST_CASE("samples are kept where they are finer than the picture's samples, and where errors are wanted", "[frame]") {
     const Triangles triangles = wall();
     const Tensors h = build<Tensors>(triangles);
-    View view = looking({16, 3, 2}, {}, 256, 1);
+    View view = looking({60, 12, 8}, {}, 256, 1);
     const auto primitives = [&](int samples) {
         ZBufferRenderer renderer({.samples = samples});
         return make_viewer(h, triangles, renderer).frame(view).primitives;

@@ -286,8 +286,10 @@ class Descent {
         using A = typename V::hierarchy_type::approximation_type;
         if constexpr (LeavesOutSamples<A> && !Cut::is_limited && R::facts.draws_splats) {
             if (subtree.sampled_above != Subtree::no_stand_in) return subtree.sampled_above;
+            // Where stand-ins fade, samples that come at once would be a pop.
             const A& policy = v.hierarchy.approximation_policy();
-            if (v.view.wanted.is_any() && policy.leaves_out_samples(v.view, sources_.largest_splat_px()) &&
+            if (v.view.fade == 0 && v.view.wanted.is_any() &&
+                policy.leaves_out_samples(v.view, sources_.largest_splat_px()) &&
                 all_stand_in_below(v, subtree, levels_without_samples)) {
                 return subtree.stand_in;
             }

@@ -42,11 +42,7 @@ bool all_stand_in_below(const E& e, const Subtree& subtree, unsigned levels) {
     bool all = true;
     for_each_child<VisitOrder::any>(h, subtree, e.view.viewpoint(), [&](Subtree& child) {
         if (!all || is_outside(e.view.planes, child)) return;
-        if (may_stand_in(e, child)) {
-            all = part_replaced(e, child) == 0;
-        } else {
-            all = levels > 1 && all_stand_in_below(e, child, levels - 1);
-        }
+        all = may_stand_in(e, child) || (levels > 1 && all_stand_in_below(e, child, levels - 1));
     });
     return all;
 }
