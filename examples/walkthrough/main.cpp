@@ -9,6 +9,7 @@
 
 #include "flight.hpp"
 #include "options.hpp"
+#include "pages.hpp"
 #include "report/picture.hpp"
 #include "result.hpp"
 #include "run.hpp"
@@ -35,6 +36,12 @@ void check_writable(const walkthrough::Options& options) {
 
 void walk(const walkthrough::Options& options) {
     using namespace walkthrough;
+    if (is_paged(options.scene)) {
+        check_writable(options);
+        walk_pages(std::cout, options);
+        if (!std::cout.flush()) throw UsageError("cannot write to the standard output");
+        return;
+    }
     const Setting setting = make_setting(options.scene, options.up);
     check_writable(options);
     std::vector<Result> results;

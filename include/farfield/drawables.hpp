@@ -39,6 +39,9 @@ struct Source {
     glm::dvec3 origin{0};                  ///< subtract it from the primitive's coordinates to get the local ones
     std::uint32_t id = 0;                  ///< what upload returned for it
     Fragments fragments{};                 ///< what positions hold instead of whole primitives, if the partition cuts
+    /// Positions come and go from frame to frame, and most may hold nothing: only those in ranges are primitives, while
+    /// the frame lasts, and nothing may be kept of them.
+    bool changes = false;
 
     /// The primitive, or the one that the position's fragment is a piece of.
     const P& operator[](std::uint32_t position) const { return primitives[order.empty() ? position : order[position]]; }

@@ -28,6 +28,9 @@ struct RendererFacts {
     VisitOrder far_field_order =
         VisitOrder::front_to_back;  ///< back_to_front: stand-ins are replayed after everything else
     bool keeps_sources = false;     ///< std::uint32_t upload(Source<P>) once a source, release(id) when it goes
+    /// It keeps nothing of sources that change (Source::changes), for which upload() gives it a number and no more, and
+    /// reads their primitives whenever it draws them. Not needed where it keeps no sources.
+    bool draws_changing_sources = false;
     bool shares_sources = false;    ///< std::uint32_t share(const R& other, id): upload what another has uploaded
     bool tells_lifetime = false;    ///< std::weak_ptr<const void> lifetime() const: expires when the renderer goes
     bool tells_light =
@@ -153,6 +156,8 @@ template <class R>
 concept DrawsFacesIfStated = !R::facts.draws_faces || DrawsFaces<R>;
 template <class R>
 concept DrawsSplatsIfStated = !R::facts.draws_splats || DrawsSplats<R>;
+template <class R>
+concept DrawsChangingSources = !R::facts.keeps_sources || R::facts.draws_changing_sources;
 template <class R>
 concept DrawsPolygonsIfStated = !R::facts.draws_polygons || DrawsPolygons<R>;
 template <class R>

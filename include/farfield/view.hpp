@@ -115,6 +115,7 @@ struct FrameStats {
     std::uint64_t cells_hidden = 0;                          ///< culled because the renderer said so
     std::uint64_t cells_too_coarse = 0;                      ///< whose stand-ins err more than is wanted
     std::uint64_t cells_cheaper = 0;                         ///< drawn exactly because that costs less
+    std::uint64_t cells_missing = 0;                         ///< drawn coarser than wanted: their page is not there
     std::uint64_t instances = 0;                             ///< instances entered
     std::uint64_t touched_bytes = 0;                         ///< working set: nodes, stand-ins and item indices read
     std::uint64_t approximations_by_level[max_levels] = {};  ///< by depth in their own hierarchy
@@ -127,7 +128,7 @@ struct FrameStats {
                                  &FrameStats::faces, &FrameStats::splats, &FrameStats::images, &FrameStats::images_made,
                                  &FrameStats::image_bytes, &FrameStats::cells_visited, &FrameStats::cells_outside,
                                  &FrameStats::cells_hidden, &FrameStats::cells_too_coarse, &FrameStats::cells_cheaper,
-                                 &FrameStats::instances, &FrameStats::touched_bytes}) {
+                                 &FrameStats::cells_missing, &FrameStats::instances, &FrameStats::touched_bytes}) {
             this->*count += other.*count;
         }
         for (int i = 0; i < max_levels; ++i) approximations_by_level[i] += other.approximations_by_level[i];

@@ -55,6 +55,27 @@ struct NoImages {
     explicit NoImages(Ignored&...) {}
 };
 
+/// What a viewer keeps of its hierarchy: a reference, or a copy of one whose uses are counted.
+template <class H>
+using HeldHierarchy = std::conditional_t<PagedAtRunTime<H>, H, const H&>;
+
+/// The time during which a frame walks a hierarchy.
+template <class H>
+class FrameOf {
+  public:
+    explicit FrameOf(const H& hierarchy) : hierarchy_(hierarchy) {
+        if constexpr (PagedAtRunTime<H>) hierarchy_.begin_frame();
+    }
+    ~FrameOf() {
+        if constexpr (PagedAtRunTime<H>) hierarchy_.end_frame();
+    }
+    FrameOf(const FrameOf&) = delete;
+    FrameOf& operator=(const FrameOf&) = delete;
+
+  private:
+    const H& hierarchy_;
+};
+
 /// A range that is about to go, and what it holds with it.
 template <class Range>
 concept OwningTemporary =
@@ -66,6 +87,10 @@ concept OwningTemporary =
 template <class H, class P, class R>
 class Viewer {
     static_assert(detail::check_drawable<H, P, R>());
+    static_assert(
+        !PagedAtRunTime<H> || detail::DrawsChangingSources<R>,
+        "farfield: the hierarchy lies in pages, which needs a renderer with `draws_changing_sources`, or without "
+        "`keeps_sources`");
 
   public:
     /// Throws std::invalid_argument if the span is not the one (by count; for hierarchies from files also by bounds)
@@ -78,8 +103,11 @@ class Viewer {
           sources_(renderer),
           queue_(renderer, stats_),
           images_(renderer, sources_) {
-        sources_.add_all(hierarchy, primitives);
+        sources_.add_all(hierarchy_, primitives);
     }
+    /// A viewer of what lies in pages: it takes a copy, and the renderer draws from wherever pages come to lie.
+    Viewer(const H& hierarchy, R& renderer) requires PagedAtRunTime<H>
+        : Viewer(hierarchy, hierarchy.primitives(), renderer) {}
     /// A viewer of the same with a renderer of its own: for another thread, or a part of the picture. It checks nothing
     /// again, and what the other has uploaded is shared where the renderers' facts say that they can. Throws
     /// std::invalid_argument if stand-ins have another light than this renderer.
@@ -103,6 +131,7 @@ class Viewer {
     /// the renderer says that it is gone. Whatever was thrown, the next frame is as if there had been no other.
     FrameStats frame(const View& view) {
         const LocalView local = outermost(view);
+        const detail::FrameOf<H> frame(hierarchy_);
         begin(local, view);
         if constexpr (caches_images<H>) {
             draw_with_images(local, view);
@@ -260,7 +289,7 @@ class Viewer {
         return stats_;
     }
 
-    const H& hierarchy_;
+    detail::HeldHierarchy<H> hierarchy_;
     std::span<const P> primitives_;
     R& renderer_;
     FrameStats stats_;
@@ -279,6 +308,11 @@ auto make_viewer(const H& hierarchy, std::span<const P> primitives, R& renderer)
 template <class H, class P, class R>
 auto make_viewer(const H& hierarchy, const std::vector<P>& primitives, R& renderer) {
     return Viewer<H, P, R>(hierarchy, std::span<const P>(primitives), renderer);
+}
+template <class H, class R>
+requires PagedAtRunTime<H>
+auto make_viewer(const H& hierarchy, R& renderer) {
+    return Viewer<H, typename H::primitive_type, R>(hierarchy, renderer);
 }
 /// What is made in the call is gone before the first frame: keep hierarchy, primitives and renderer in variables.
 template <class H, class P, class R>

@@ -39,6 +39,10 @@ may_include(build ${hierarchy})
 may_include(build.hpp build sampler ${hierarchy}) # the sampler that a build takes where it is given none
 may_include(update.hpp build build.hpp sampler ${hierarchy})
 may_include(storage ${hierarchy})
+may_include(paging storage frame ${hierarchy}) # a page is checked as a file is
+may_include(build_pages build storage paging frame ${hierarchy})
+may_include(build_pages.hpp build_pages build build.hpp sampler storage paging frame ${hierarchy})
+may_include(adapters paging ${contracts}) # what needs another library: nothing includes it
 may_include(frame ${hierarchy})
 may_include(viewer.hpp ${frame})
 may_include(pick.hpp ${frame})
@@ -64,6 +68,7 @@ tested_by(composition missing_hooks approximation approximation/exact cost_model
 tested_by(consumer/main farfield)
 tested_by(consumer/settings settings)
 # Records without functions are tested by what makes them.
+tested_by(adapters/http_page_source adapters/curl_connection adapters/http_options)
 tested_by(build build/build_progress)
 tested_by(approximation/color_cube/cube_lanes approximation/placed/placed_splats)
 tested_by(approximation/image_cache frame/image_chooser frame/image_maker raster/samples/kept_image raster/samples/image_fill
@@ -89,6 +94,8 @@ tested_by(measure/flip measure/flip_colors measure/flip_filters)
 tested_by(merged_viewer merged_viewer/body_walker)
 tested_by(partition/polygon_bsp partition/child_boxes)
 tested_by(pick geometry/ray view/pixel_ray)
+tested_by(paging/paged_hierarchy paging/page_check paging/page_forest paging/page_format paging/write_pages)
+tested_by(build_pages build_pages/build_journal build_pages/page_share build_pages/scattered_file build_pages/top_tree)
 tested_by(raster/box_footprint raster/box_fronts)
 tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
           raster/far_field/transmittance_lanes_sse2)

@@ -11,6 +11,7 @@
 #include "farfield/executor.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/geometry/box.hpp"
+#include "farfield/geometry/cell.hpp"
 
 namespace farfield::detail {
 
@@ -20,6 +21,8 @@ struct BuildBudget {
     std::uint32_t pieces_per_polygon = 0;
     std::uint64_t free_pieces = std::uint64_t(1) << 19;  ///< beside those
     BoxD world = BoxD::empty();                          ///< beside all that there is
+    /// Where a part of a scene is built, the cell that holds it: it is the root, as it would be a node in the whole.
+    const Cell* part = nullptr;
 };
 
 /// Executor and progress callback are borrowed. The callback is called on the thread that builds, between steps.

@@ -39,6 +39,7 @@ class CellSplitter {
           cost_(cost),
           memory_budget_bytes_(budget.memory_bytes),
           world_(budget.world),
+          part_(budget.part),
           control_(control),
           data_(data) {}
 
@@ -65,7 +66,7 @@ class CellSplitter {
             total += item.cost;
         });
         if constexpr (items_are_shared) cells_with_.assign(primitives_.size(), 1);
-        data_.facts.root = partition_.root(bounds_of_root(data_.facts, world_));
+        data_.facts.root = part_ != nullptr ? *part_ : partition_.root(bounds_of_root(data_.facts, world_));
         drafts_.push_back({.cell = data_.facts.root, .count = items_.size(), .cost = total});
     }
 
@@ -180,6 +181,7 @@ class CellSplitter {
     const C& cost_;
     std::uint64_t memory_budget_bytes_;
     BoxD world_;
+    const Cell* part_;
     const BuildControl& control_;
     HierarchyData<Partition_, A>& data_;
 

@@ -29,6 +29,17 @@
 
 namespace farfield::detail {
 
+template <class A>
+struct DraftOfApproximation {
+    using type = void;
+};
+template <class A>
+requires(A::facts.stands_in) struct DraftOfApproximation<A> {
+    using type = typename A::stand_in_draft;
+};
+template <class A>
+using DraftOf = typename DraftOfApproximation<A>::type;
+
 /// Options are borrowed. H is a SpatialHierarchy.
 template <class H, Primitive P, OrthographicSampler Sampler>
 class HierarchyBuilder {
@@ -59,6 +70,13 @@ class HierarchyBuilder {
         if constexpr (A::facts.stands_in) make_stand_ins();
         freeze();
         return std::move(data_);
+    }
+
+    /// Builds a part of a scene (BuildBudget::part), for whoever puts parts together: its root has a stand-in whether
+    /// or not that pays, and what this is made from.
+    Data build_part(std::add_pointer_t<DraftOf<A>> root) requires(A::facts.stands_in) {
+        root_draft_ = root;
+        return build();
     }
 
   private:
@@ -119,6 +137,7 @@ class HierarchyBuilder {
             if (merges) merge(drafts);
         }
         if constexpr (A::facts.samples_primitives) move_up();
+        if (root_draft_ != nullptr) *root_draft_ = drafts[0];
         choose_what_pays(drafts);
         if constexpr (A::facts.samples_primitives) drop_idle_nodes();
         if constexpr (A::facts.compares && Partition_::facts.children_are_octants) {
@@ -275,7 +294,9 @@ class HierarchyBuilder {
     void choose_what_pays(const std::vector<Draft>& drafts) {
         const auto keep_if_it_pays = [&](std::uint32_t n, const typename A::stand_in_data& data) {
             DraftCell& node = nodes_[n];
-            const bool pays = node.cost > least_cost_ && node.cost > cost_.cost(work_of_stand_in(approximation_, data));
+            const bool pays =
+                (node.cost > least_cost_ && node.cost > cost_.cost(work_of_stand_in(approximation_, data))) ||
+                (n == 0 && root_draft_ != nullptr);
             if (pays) {
                 node.stand_in = std::uint32_t(stand_ins_.size());
                 stand_ins_.push_back(data);
@@ -370,6 +391,8 @@ class HierarchyBuilder {
     BuildBudget budget_;
     const BuildControl& control_;
 
+    /// Null where the whole scene is built. Of no use to what makes no stand-ins.
+    std::add_pointer_t<DraftOf<A>> root_draft_ = nullptr;
     Data data_;
     std::vector<DraftCell> nodes_;                        ///< parents before children
     std::vector<typename A::stand_in_data> stand_ins_{};  ///< those that pay, by BuildNode::stand_in

@@ -151,13 +151,19 @@ class Descent {
             return;
         }
         const auto& h = v.hierarchy;
-        const Node& node = h.nodes()[subtree.node];
         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
             if (may_stand_in(v, subtree)) {
-                if (keeps_wanted_error(v, subtree)) return draw_stand_in_and_fade(v, subtree, node, law);
+                if (keeps_wanted_error(v, subtree)) return draw_stand_in_and_fade(v, subtree, law);
                 ++stats_.cells_too_coarse;
             }
         }
+        if constexpr (PagedAtRunTime<typename V::hierarchy_type>) {
+            if (!is_there(v, subtree)) {
+                ++stats_.cells_missing;
+                return draw_stand_in(v, subtree);
+            }
+        }
+        const Node& node = h.nodes()[subtree.node];
         if constexpr (Cut::is_limited) {
             if (!cut_.opens(v, subtree)) {
                 if constexpr (V::hierarchy_type::approximation_type::facts.stands_in) {
@@ -173,7 +179,8 @@ class Descent {
                 return;
             }
         }
-        if constexpr (V::hierarchy_type::approximation_type::facts.stands_in && may_draw_whole<V>) {
+        if constexpr (V::hierarchy_type::approximation_type::facts.stands_in && may_draw_whole<V> &&
+                      !PagedAtRunTime<typename V::hierarchy_type>) {
             if (is_cheaper_exactly(v, subtree)) {
                 ++stats_.cells_cheaper;
                 draw_whole(v, subtree, node, law);
@@ -194,14 +201,40 @@ class Descent {
 
     /// What replaces a stand-in is drawn as well where it fades.
     template <class V>
-    void draw_stand_in_and_fade(V& v, const Subtree& subtree, const Node& node, LawOf<V> law) {
-        const float left = v.view.fade > 0 ? part_replaced(v, subtree) : 0;
+    void draw_stand_in_and_fade(V& v, Subtree& subtree, LawOf<V> law) {
+        float left = v.view.fade > 0 ? part_replaced(v, subtree) : 0;
+        if constexpr (PagedAtRunTime<typename V::hierarchy_type>) {
+            expect_contents(v, subtree);
+            if (left != 0 && !is_there(v, subtree)) left = 0;
+        }
         if (left == 0) return draw_stand_in(v, subtree);
+        const Node& node = v.hierarchy.nodes()[subtree.node];
         const float all = std::exchange(weight_, weight_ * (1 - left));
         draw_stand_in(v, subtree);
         weight_ = all * left;
         visit_contents(v, subtree, node, subtree.end_item - node.first_item, law, /*has_images_below=*/false);
         weight_ = all;
+    }
+
+    /// Goes to where a node's contents are; false if they are missing.
+    template <class V>
+    static bool is_there(const V& v, Subtree& subtree) {
+        return !v.hierarchy.is_portal(v.hierarchy.nodes()[subtree.node]) ||
+               v.hierarchy.follow(subtree, urgency(v, subtree));
+    }
+    /// How far a stand-in is beyond the tolerance: 1 and more where its contents are drawn.
+    template <class V>
+    static float urgency(const V& v, const Subtree& subtree) {
+        return stand_in_error_px(v, subtree) / v.view.tolerance_px;
+    }
+    /// Contents of cells that would be opened from a little nearer are asked for before they are drawn (Klein et al.
+    /// 2002, section 6.2: the cut and some levels more, but levels double what is in use).
+    template <class V>
+    static void expect_contents(const V& v, const Subtree& subtree) {
+        constexpr float nearer = 0.8f;
+        const Node& node = v.hierarchy.nodes()[subtree.node];
+        if (!v.hierarchy.is_portal(node)) return;
+        if (const float u = urgency(v, subtree); u > nearer) v.hierarchy.expect(node, u);
     }
 
     template <class V>
@@ -248,6 +281,10 @@ class Descent {
         using H = typename V::hierarchy_type;
         using A = typename H::approximation_type;
         if constexpr (Cut::is_limited) return Cut::may_stop_below(v, node);
+        // What lies in other pages is no part of the run.
+        if constexpr (PagedAtRunTime<H>) {
+            return node.stand_in_levels_below != Node::nothing_below && node.stand_in_levels_below != 0;
+        }
         // Level 0 is the node itself, whose stand-in was asked first.
         if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return false;
         if constexpr (A::facts.bounds_error && H::partition_type::facts.children_are_octants) {

@@ -17,6 +17,7 @@
 #include "farfield/composition.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/frame/baked_light.hpp"
+#include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/mixed.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/primitive.hpp"
@@ -42,7 +43,7 @@ struct SourceState {
 
 template <class H, class P>
 Source<P> source_of(const H& h, std::span<const P> primitives, std::uint32_t id) {
-    return {primitives, h.order(), h.item_count(), h.origin(), id, h.fragments()};
+    return {primitives, h.order(), h.item_count(), h.origin(), id, h.fragments(), PagedAtRunTime<H>};
 }
 
 /// Throws std::invalid_argument, whose text begins with `who`, if primitives are not as many as a hierarchy was built
@@ -138,6 +139,11 @@ class SourceTable {
     template <class H, class P>
     void add_all(const H& h, std::span<const P> primitives, const glm::mat3& turned = glm::mat3(1.0f)) {
         constexpr const char* who = "farfield::Viewer: the hierarchy";
+        if constexpr (PagedAtRunTime<H>) {
+            // It comes with its primitives.
+            if constexpr (R::facts.tells_light) check_light(who, h, renderer_.light(), turned);
+            return add(h, primitives, [](const auto&) {});
+        }
         check_source(who, h, primitives, R::facts.needs_ordering == OrderGuarantee::primitives);
         if (has(h, primitives)) {
             if (!find(h, primitives).is_open) return;
@@ -150,19 +156,13 @@ class SourceTable {
         });
         check_fingerprint(who, h, primitives);
         if constexpr (R::facts.tells_light) check_light(who, h, renderer_.light(), turned);
-        have_stand_ins_ = have_stand_ins_ || !h.stand_ins().empty();
-        // References into an unordered_map stay valid while more are added.
-        SourceState& state = sources_[SourceKey{&h, primitives.data()}];
-        if constexpr (H::assignment == Assignment::shared) state.stamps.assign(primitives.size(), 0);
-        if constexpr (R::facts.keeps_sources) {
-            state.id = renderer_.upload(source_of(h, primitives, 0));
-            state.is_uploaded = true;
-        }
-        state.is_open = true;
-        for_instances(primitives, [&](const auto& instance, std::size_t) {
-            add_all(*instance.hierarchy, instance.primitives, turned * instance.to_world.rotation());
+        add(h, primitives, [&](SourceState& state) {
+            state.is_open = true;
+            for_instances(primitives, [&](const auto& instance, std::size_t) {
+                add_all(*instance.hierarchy, instance.primitives, turned * instance.to_world.rotation());
+            });
+            state.is_open = false;
         });
-        state.is_open = false;
     }
 
     /// Whether any of the hierarchies has a stand-in.
@@ -200,6 +200,20 @@ class SourceTable {
     }
 
   private:
+    /// Calls then(state) with what is kept of it from now on.
+    template <class H, class P, class Then>
+    void add(const H& h, std::span<const P> primitives, Then&& then) {
+        have_stand_ins_ = have_stand_ins_ || !h.stand_ins().empty();
+        // References into an unordered_map stay valid while more are added.
+        SourceState& state = sources_[SourceKey{&h, primitives.data()}];
+        if constexpr (H::assignment == Assignment::shared) state.stamps.assign(primitives.size(), 0);
+        if constexpr (R::facts.keeps_sources) {
+            state.id = renderer_.upload(source_of(h, primitives, 0));
+            state.is_uploaded = true;
+        }
+        then(state);
+    }
+
     /// Calls f(instance, number of the primitive).
     template <class P, class F>
     static void for_instances([[maybe_unused]] std::span<const P> primitives, [[maybe_unused]] F&& f) {

@@ -4,6 +4,7 @@
 #include "farfield/settings.hpp"
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -33,12 +34,29 @@ struct Subtree {
     bool has_stand_in() const { return stand_in != no_stand_in; }
 };
 
+/// A hierarchy whose nodes' contents may be missing (paging/paged_hierarchy.hpp): begin_frame() and end_frame() around
+/// each descent, is_portal(node) where contents lie elsewhere, follow(subtree, weight) to get there or not, and
+/// expect(node, weight) of what later descents may follow. Whatever can be followed has a stand-in.
+template <class H>
+concept PagedAtRunTime = requires(const H& h, Subtree& subtree, const Node& node) {
+    h.begin_frame();
+    h.end_frame();
+    { h.whole() } -> std::same_as<Subtree>;
+    { h.is_portal(node) } -> std::same_as<bool>;
+    { h.items_below(node) } -> std::same_as<std::uint32_t>;
+    { h.follow(subtree, 1.0f) } -> std::same_as<bool>;
+    h.expect(node, 1.0f);
+};
+
 template <class H>
 Subtree whole_of(const H& hierarchy) {
+    if constexpr (PagedAtRunTime<H>) return hierarchy.whole();
     Subtree whole;
     whole.cell = hierarchy.root_cell();
     whole.end_item = hierarchy.item_count();
-    if (hierarchy.root_stand_in() != nullptr) whole.stand_in = 0;
+    if constexpr (!PagedAtRunTime<H>) {
+        if (hierarchy.root_stand_in() != nullptr) whole.stand_in = 0;
+    }
     return whole;
 }
 

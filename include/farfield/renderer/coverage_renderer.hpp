@@ -56,6 +56,7 @@ class BasicCoverageRenderer {
         .order = VisitOrder::front_to_back,
         .needs_ordering = is_lazy ? OrderGuarantee::none : OrderGuarantee::primitives,
         .keeps_sources = true,
+        .draws_changing_sources = true,
         .shares_sources = true,
         .tells_lifetime = true,
         .tells_light = true,
@@ -124,6 +125,15 @@ class BasicCoverageRenderer {
 
     template <class P>
     void draw(const Source<P>& source, std::span<const Range> ranges) {
+        if (source.changes) {
+            scratch_.clear();
+            for (const Range& r : ranges) {
+                for (std::uint32_t at = r.first; at < r.first + r.count; ++at) {
+                    source.polygons(at, [&](const Polygon& polygon) { scratch_.add(polygon); });
+                }
+            }
+            return draw_scratch();
+        }
         const detail::PolygonStream& stream = streams_[source.id];
         auto setup = setup_of(stream);
         for (std::size_t i = 0; i < ranges.size(); ++i) {
@@ -136,8 +146,7 @@ class BasicCoverageRenderer {
     void draw(std::span<const Polygon> polygons) {
         scratch_.clear();
         for (const Polygon& polygon : polygons) scratch_.add(polygon);
-        auto setup = setup_of(scratch_);
-        for (std::uint32_t at = 0; at < scratch_.size(); ++at) setup.draw(scratch_[at]);
+        draw_scratch();
     }
 
     void draw(std::span<const Face> faces) requires(is_lazy) {
@@ -185,6 +194,11 @@ class BasicCoverageRenderer {
     detail::SampleProjection projection_;
     detail::TilePolygon polygon_;  ///< the one at work
     detail::Silhouette silhouette_;
+    void draw_scratch() {
+        auto setup = setup_of(scratch_);
+        for (std::uint32_t at = 0; at < scratch_.size(); ++at) setup.draw(scratch_[at]);
+    }
+
     detail::SourceSlots<detail::PolygonStream> streams_;
     detail::PolygonStream scratch_;  ///< polygons made for this frame
     Image image_;

@@ -71,6 +71,7 @@ class HierarchicalZRenderer {
   public:
     static constexpr RendererFacts facts{.order = VisitOrder::front_to_back,
                                          .keeps_sources = true,
+                                         .draws_changing_sources = true,
                                          .shares_sources = true,
                                          .tells_lifetime = true,
                                          .tells_light = true,

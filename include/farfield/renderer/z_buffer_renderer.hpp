@@ -35,6 +35,7 @@ namespace farfield {
 class ZBufferRenderer {
   public:
     static constexpr RendererFacts facts{.keeps_sources = true,
+                                         .draws_changing_sources = true,
                                          .shares_sources = true,
                                          .tells_lifetime = true,
                                          .tells_light = true,

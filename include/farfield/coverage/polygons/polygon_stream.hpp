@@ -50,6 +50,7 @@ class PolygonStream {
     PolygonStream() = default;
     template <PrimitiveWithPolygons P>
     explicit PolygonStream(const Source<P>& source) {
+        if (source.changes) return;
         bool one_each = true, may_join = false;
         first_record_.reserve(source.item_count + 1);
         records_.reserve(source.item_count);

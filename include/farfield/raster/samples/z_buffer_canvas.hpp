@@ -177,7 +177,7 @@ class ZBufferCanvas {
                     draw_triangles(of, first, end, projection_, triage_, painter);
                 }
             };
-            if (options_.copies_sources) {
+            if (options_.copies_sources && !source.changes) {
                 draw_range(stream, stream.first_triangle(r.first), stream.first_triangle(r.first + r.count));
             } else {
                 reader_.read(source, stream, r, draw_range);

@@ -29,6 +29,7 @@ class TriangleStream {
     /// several colors: 4 bytes a position, or none where each holds one triangle.
     template <PrimitiveWithPolygons P>
     explicit TriangleStream(const Source<P>& source, bool keeps_triangles = true) {
+        if (source.changes) return;  // the blocks of any position, and any colors
         bool one_each = true, several_colors = false;
         first_triangle_.reserve(source.item_count + 1);
         if (keeps_triangles) blocks_.reserve(source.item_count / TriangleBlock::lanes + 1);

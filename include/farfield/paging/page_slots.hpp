@@ -1,0 +1,199 @@
+// Which pages are in memory, who uses them, and which goes when room is needed.
+//
+// Frames look up pages without a lock. A page that goes is first taken off the table; its memory is used again when no
+// frame is left that began before (epochs, as in K. Fraser: Practical lock-freedom, 2004, section 5.2.3), since such a
+// frame may still walk it.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace farfield::detail {
+
+/// One user's frames, one after the other.
+struct PageVisits {
+    std::atomic<std::uint64_t> epoch{0};       ///< that its frame began in; 0: it has none
+    std::atomic<std::uint32_t> last_frame{0};  ///< the number of its last one; 0: there was none
+};
+
+/// The functions that frames call may run at any time; whatever changes the table is called by one thread at a time.
+class PageSlots {
+  public:
+    static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+    PageSlots(std::uint32_t page_count, std::uint32_t slot_count)
+        : page_count_(page_count),
+          pages_(std::make_unique<Page[]>(page_count)),
+          slots_(std::make_unique<Slot[]>(slot_count)),
+          slot_count_(slot_count) {
+        free_.reserve(slot_count);
+        for (std::uint32_t i = slot_count; i-- > 0;) free_.push_back(i);
+        retired_.reserve(slot_count);
+    }
+    /// The memory that it takes itself.
+    static std::size_t bytes(std::uint64_t page_count, std::uint64_t slot_count) {
+        return std::size_t(page_count * sizeof(Page) + slot_count * (sizeof(Slot) + 2 * sizeof(std::uint64_t)));
+    }
+    std::uint32_t page_count() const { return page_count_; }
+    std::uint32_t slot_count() const { return slot_count_; }
+    std::uint32_t used_slots() const { return slot_count_ - std::uint32_t(free_.size()); }
+
+    // Called by frames.
+
+    /// Numbers frames from 1 on.
+    std::uint32_t begin(PageVisits& visits) {
+        const std::uint32_t frame = frames_.fetch_add(1, std::memory_order_relaxed) + 1;
+        visits.last_frame.store(frame, std::memory_order_relaxed);
+        // Before any look at the table, in the one order of all such accesses.
+        visits.epoch.store(epoch_.load(std::memory_order_seq_cst), std::memory_order_seq_cst);
+        return frame;
+    }
+    static void end(PageVisits& visits) { visits.epoch.store(0, std::memory_order_release); }
+    /// The slot of a page, or none. A frame that sees one may use it until it ends. `weight` says how much it counts,
+    /// and is not negative.
+    std::uint32_t find(std::uint32_t page, std::uint32_t frame, float weight) {
+        const std::uint32_t slot = pages_[page].slot.load(std::memory_order_seq_cst);
+        if (slot != none) {
+            const std::uint64_t use = std::uint64_t(frame) << 32 | std::bit_cast<std::uint32_t>(weight);
+            auto& last = slots_[slot].last_use;
+            if (last.load(std::memory_order_relaxed) < use) last.store(use, std::memory_order_relaxed);
+        }
+        return slot;
+    }
+
+    // Called by one thread at a time.
+
+    bool is_resident(std::uint32_t page) const { return pages_[page].slot.load(std::memory_order_relaxed) != none; }
+    std::uint32_t frames() const { return frames_.load(std::memory_order_relaxed); }
+
+    /// Memory for a page of this weight, or none: all is in use for what counts half as much or more, or will be free
+    /// when frames end that run now. What weighs less than 1 is not needed yet, and replaces only what was not needed
+    /// for long. `own`: the caller's frame, if it runs one, which uses no page but those that it
+    /// has found. Visits of users that have drawn nothing for long do not count.
+    std::uint32_t take(float weight, const std::vector<PageVisits*>& all, const PageVisits* own) {
+        if (!free_.empty()) {
+            const std::uint32_t slot = free_.back();
+            free_.pop_back();
+            return slot;
+        }
+        if (const std::uint32_t slot = take_retired(all, own); slot != none) return slot;
+        if (retired_.size() >= most_retired) return none;
+        const std::uint32_t victim = choose_victim(weight, all);
+        if (victim == none) return none;
+        Slot& s = slots_[victim];
+        Page& page = pages_[s.page];
+        page.slot.store(none, std::memory_order_seq_cst);
+        page.evicted_in = frames();
+        ++evictions_;
+        retired_.push_back({victim, epoch_.fetch_add(1, std::memory_order_seq_cst)});
+        return take_retired(all, own);
+    }
+    /// Gives back what take() gave.
+    void give_back(std::uint32_t slot) { free_.push_back(slot); }
+
+    /// The page is in the slot from now on.
+    void publish(std::uint32_t page, std::uint32_t slot, float weight, bool stays) {
+        Slot& s = slots_[slot];
+        Page& p = pages_[page];
+        const std::uint32_t now = frames();
+        const bool again = p.evicted_in != 0 && now - p.evicted_in < frames_between_loads;
+        reloads_ += again;
+        s.page = page;
+        s.held_until = stays ? std::numeric_limits<std::uint32_t>::max() : again ? now + frames_between_loads : 0;
+        s.last_use.store(std::uint64_t(now) << 32 | std::bit_cast<std::uint32_t>(weight), std::memory_order_relaxed);
+        p.slot.store(slot, std::memory_order_seq_cst);
+    }
+
+    std::uint64_t evictions() const { return evictions_; }
+    std::uint64_t reloads() const { return reloads_; }
+
+    /// A page that comes back sooner than this after it went stays as long: whoever looks to and fro between two places
+    /// that do not fit together gets one of them coarser, and the disk is left alone.
+    static constexpr std::uint32_t frames_between_loads = 60;
+
+  private:
+    static constexpr std::size_t most_retired = 16;
+
+    struct Page {
+        std::atomic<std::uint32_t> slot{none};
+        std::uint32_t evicted_in = 0;  ///< the frame
+    };
+    struct Slot {
+        std::atomic<std::uint64_t> last_use{0};  ///< frame << 32 | weight's bits, which are in order
+        std::uint32_t page = none;               ///< none: its page is being loaded
+        std::uint32_t held_until = 0;            ///< the frame before which it does not go
+    };
+    struct Retired {
+        std::uint32_t slot;
+        std::uint64_t epoch;  ///< frames that began in it or before may still use the slot
+    };
+
+    /// A slot that no frame can use any more. `own` began before, and has not used what was taken from it since: its
+    /// pages count as used.
+    std::uint32_t take_retired(const std::vector<PageVisits*>& all, const PageVisits* own) {
+        for (std::size_t i = 0; i < retired_.size(); ++i) {
+            const bool is_free = std::all_of(all.begin(), all.end(), [&](const PageVisits* v) {
+                const std::uint64_t epoch = v->epoch.load(std::memory_order_seq_cst);
+                if (epoch == 0 || epoch > retired_[i].epoch) return true;
+                return v == own && slots_[retired_[i].slot].last_use.load(std::memory_order_relaxed) >> 32 <
+                                       own->last_frame.load(std::memory_order_relaxed);
+            });
+            if (!is_free) continue;
+            const std::uint32_t slot = retired_[i].slot;
+            retired_.erase(retired_.begin() + std::ptrdiff_t(i));
+            slots_[slot].page = none;
+            return slot;
+        }
+        return none;
+    }
+
+    /// The least recently used page; if all are in use, the one that counts least, and less than half as much.
+    std::uint32_t choose_victim(float weight, const std::vector<PageVisits*>& all) const {
+        const std::uint32_t now = frames();
+        std::uint32_t in_use = now;
+        for (const PageVisits* v : all) {
+            const std::uint32_t last = v->last_frame.load(std::memory_order_relaxed);
+            if (last != 0 && now - last < frames_between_loads) in_use = std::min(in_use, last);
+        }
+        const std::uint64_t most =
+            weight < 1 ? std::uint64_t(now > frames_between_loads ? now - frames_between_loads : 0) << 32
+                       : std::uint64_t(in_use) << 32 | std::bit_cast<std::uint32_t>(weight * 0.5f);
+        std::uint32_t victim = none;
+        std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+        for (std::uint32_t i = 0; i < slot_count_; ++i) {
+            const Slot& s = slots_[i];
+            if (s.page == none || pages_[s.page].slot.load(std::memory_order_relaxed) != i) continue;
+            if (s.held_until > now) continue;
+            std::uint64_t use = s.last_use.load(std::memory_order_relaxed);
+            // Frames of several users that run now are one time.
+            if (use >> 32 >= in_use) use = std::uint64_t(in_use) << 32 | (use & 0xffffffffu);
+            // Of pages that were last used together a child's goes before its parent's, which comes before it in the
+            // file.
+            if (use < least || (use == least && s.page > slots_[victim].page)) {
+                least = use;
+                victim = i;
+            }
+        }
+        return least < most ? victim : none;
+    }
+
+    std::uint32_t page_count_;
+    std::unique_ptr<Page[]> pages_;
+    std::unique_ptr<Slot[]> slots_;
+    std::uint32_t slot_count_;
+    std::vector<std::uint32_t> free_;
+    std::vector<Retired> retired_;
+    std::atomic<std::uint32_t> frames_{0};
+    std::atomic<std::uint64_t> epoch_{1};
+    std::uint64_t evictions_ = 0, reloads_ = 0;
+};
+
+}  // namespace farfield::detail

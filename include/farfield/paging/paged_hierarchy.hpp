@@ -1,0 +1,294 @@
+// A hierarchy that lies in a file of pages, with its primitives, and is in memory only where frames look.
+//
+// To a descent it is a hierarchy like any other: nodes, stand-ins and primitives are arrays, those of a cache's whole
+// memory, and whatever lies in a page that is there has its index in them. Where a node's contents are in another page,
+// follow() gives the index that they have now; or they are missing, the node's stand-in is drawn, which lies in its
+// parent's page, and there is never a hole (Klein et al. 2002, section 6).
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "farfield/fail.hpp"
+#include "farfield/frame/subtree.hpp"
+#include "farfield/paging/file_page_source.hpp"
+#include "farfield/paging/page_cache.hpp"
+#include "farfield/paging/page_check.hpp"
+#include "farfield/paging/page_format.hpp"
+#include "farfield/storage/open.hpp"
+
+namespace farfield {
+
+/// Every viewer takes a copy of its own, which is cheap; copies share the cache. A copy is not to be used by two
+/// threads at once.
+template <Pageable H, PageablePrimitive P>
+class PagedHierarchy {
+  public:
+    using partition_type = typename H::partition_type;
+    using approximation_type = typename H::approximation_type;
+    using cost_model_type = typename H::cost_model_type;
+    using node_data = typename H::node_data;
+    using stand_in_data = typename H::stand_in_data;
+    using pool_element = typename H::pool_element;
+    using primitive_type = P;
+    static constexpr Assignment assignment = H::assignment;
+    static constexpr OrderGuarantee ordering = H::ordering;
+
+    /// A copy, with a use of the cache for itself.
+    PagedHierarchy(const PagedHierarchy& other) : file_(other.file_), user_(file_->cache), waits_(other.waits_) {}
+    PagedHierarchy& operator=(const PagedHierarchy&) = delete;
+
+    const partition_type& partition_policy() const { return file_->partition; }
+    const approximation_type& approximation_policy() const { return file_->approximation; }
+    const cost_model_type& cost_policy() const { return file_->cost; }
+    const HierarchyFacts& facts() const { return file_->header.facts; }
+    const BuildReport& report() const { return facts().report; }
+    const Cell& root_cell() const { return facts().root; }
+    const Box& bounds() const { return facts().bounds; }
+    glm::dvec3 origin() const { return facts().origin; }
+    std::uint64_t primitive_count() const { return facts().primitive_count; }
+    std::uint64_t fingerprint() const { return facts().fingerprint; }
+    std::uint64_t node_count() const { return file_->header.node_count; }
+    const Work& whole_work() const { return facts().work; }
+    /// Bytes of the file.
+    std::uint64_t bytes() const { return file_->header.file_bytes; }
+    std::uint32_t page_count() const { return file_->header.page_count; }
+    std::uint32_t page_bytes() const { return file_->header.page_bytes; }
+    bool keeps_strict_order() const { return false; }
+    bool is_from_file() const { return true; }
+
+    /// What pages are in memory, and how they came there. Of all copies together.
+    PageCacheStats cache_stats() const { return file_->cache->stats(); }
+    /// Loads what the last frames wanted, on this thread, until nothing is left that can be loaded now; returns the
+    /// number of pages. Frames after it are the same as if nothing had been missing, once it returns 0.
+    std::size_t load_wanted() { return file_->cache->load_wanted(); }
+    /// Whether frames wait for pages instead of drawing something coarser: for pictures, not for walks. It counts for
+    /// copies that are made afterwards too.
+    void wait_for_pages(bool waits) { waits_ = waits; }
+
+    // What a descent asks.
+
+    /// Arrays of the cache's memory. Only what has been reached through follow() may be looked at, until the frame
+    /// ends.
+    std::span<const Node> nodes() const { return memory_as<Node>(); }
+    std::span<const stand_in_data> stand_ins() const { return memory_as<stand_in_data>(); }
+    std::span<const P> primitives() const { return memory_as<P>(); }
+    std::span<const std::uint32_t> order() const { return {}; }
+    std::span<const pool_element> pool() const { return {}; }
+    Fragments fragments() const { return {}; }
+    /// Positions, used or not.
+    std::uint32_t item_count() const {
+        return facts().report.items == 0 ? 0u : std::uint32_t(std::min<std::size_t>(primitives().size(), 0xffffffffu));
+    }
+    node_data data_of(std::uint32_t node) const {
+        if constexpr (std::is_empty_v<node_data>) {
+            return {};
+        } else {
+            const std::size_t at = std::size_t(node) * sizeof(Node), begin = at / page_bytes() * page_bytes();
+            const auto first = std::uint32_t((begin + sizeof(detail::PageHeader)) / sizeof(Node));
+            const detail::PageLayout layout = Records::layout(header_at(begin).node_count, 0, 0);
+            node_data data;
+            std::memcpy(&data, memory() + begin + layout.node_data + std::size_t(node - first) * sizeof data,
+                        sizeof data);
+            return data;
+        }
+    }
+    void prefetch_data_of(std::uint32_t) const {}
+
+    /// The root, which is always there: its own stand-in is not needed.
+    Subtree whole() const {
+        Subtree s;
+        s.cell = root_cell();
+        enter_unit(s, 0, detail::portal_of(file_->header.root).unit);
+        return s;
+    }
+    /// Whether a node's contents are in another page.
+    static bool is_portal(const Node& node) { return detail::is_portal(node); }
+    static std::uint32_t items_below(const Node& portal) { return detail::portal_of(portal).items; }
+    /// Turns a portal into the node that it stands for. False, and nothing is done, if the page is missing or not what
+    /// it should be: it has been asked for, the more urgently the larger `weight` is.
+    bool follow(Subtree& subtree, float weight) const {
+        const detail::Portal to = detail::portal_of(nodes()[subtree.node]);
+        const std::uint32_t slot = waits_ ? user_.find_or_wait(to.page, weight) : user_.find(to.page, weight);
+        if (slot == detail::PageSlots::none) return false;
+        const detail::PageHeader& header = header_at(std::size_t(slot) * page_bytes());
+        // A descent is a recursion, and no file decides how deep it goes.
+        if (to.unit >= header.unit_count || subtree.cell.depth >= most_levels_in_files) return false;
+        enter_unit(subtree, slot, to.unit);
+        return true;
+    }
+    /// Asks for the contents of a node that frames to come may draw.
+    void expect(const Node& portal, float weight) const { user_.expect(detail::portal_of(portal).page, weight); }
+    void begin_frame() const { user_.begin_frame(); }
+    void end_frame() const { user_.end_frame(); }
+    bool is_in_frame() const { return user_.is_in_frame(); }
+
+  private:
+    using Records = detail::PageRecords<H, P>;
+    template <Pageable H2, PageablePrimitive P2, PageSource S>
+    friend PagedHierarchy<H2, P2> open_pages_of(std::shared_ptr<S>, const std::string&, const PageCacheOptions&);
+
+    struct File {
+        detail::PageFileHeader header;
+        partition_type partition{};
+        approximation_type approximation{};
+        cost_model_type cost{};
+        std::shared_ptr<detail::PageCache> cache;
+    };
+    explicit PagedHierarchy(std::shared_ptr<const File> file) : file_(std::move(file)), user_(file_->cache) {}
+
+    const std::byte* memory() const { return file_->cache->memory(); }
+    template <class T>
+    std::span<const T> memory_as() const {
+        return {reinterpret_cast<const T*>(memory()), file_->cache->memory_bytes() / sizeof(T)};
+    }
+    const detail::PageHeader& header_at(std::size_t begin) const {
+        return *reinterpret_cast<const detail::PageHeader*>(memory() + begin);
+    }
+    void enter_unit(Subtree& s, std::uint32_t slot, std::uint32_t unit) const {
+        const auto first =
+            std::uint32_t((std::size_t(slot) * page_bytes() + sizeof(detail::PageHeader)) / sizeof(Node));
+        s.node = first + unit;
+        s.end_item = nodes()[s.node + 1].first_item;
+    }
+
+    std::shared_ptr<const File> file_;
+    mutable detail::PageCache::User user_;
+    bool waits_ = false;
+};
+
+namespace detail {
+
+/// The reason to refuse the header of a file of pages; empty if H and P are what it holds.
+template <class H, class P>
+std::string wrong_page_file(std::span<const std::byte> bytes, PageFileHeader& header, std::uint64_t file_bytes) {
+    if (bytes.empty()) return "is empty";
+    if (std::memcmp(bytes.data(), page_file_magic.data(), std::min(bytes.size(), page_file_magic.size())) != 0) {
+        if (std::memcmp(bytes.data(), file_magic.data(), std::min(bytes.size(), file_magic.size())) == 0) {
+            return "is a hierarchy without pages: open() reads it";
+        }
+        return "is not a farfield file of pages";
+    }
+    std::memcpy(&header, bytes.data(), std::min(bytes.size(), sizeof header));
+    if (bytes.size() >= 16) {
+        if (header.byte_order == 0x04030201u) return "was saved on a machine of the other byte order";
+        if (header.byte_order != file_byte_order) return "is damaged: its byte order is unknown";
+        if (header.version != page_file_version) {
+            return "has format version " + std::to_string(header.version) + ", this program reads version " +
+                   std::to_string(page_file_version) + ": make it again";
+        }
+    }
+    if (bytes.size() < sizeof header) return "is truncated: its header is not whole";
+    if (header.checksum != Xxh64::of(bytes.first(offsetof(PageFileHeader, checksum)))) {
+        return "is damaged: the checksum of its header is wrong";
+    }
+    for (std::size_t i = 0; i < header.records.size(); ++i) {
+        const std::uint32_t wanted = page_records<H, P>()[i];
+        if (header.records[i] != wanted) return wrong_tag(page_record_names[i], wanted, header.records[i]);
+    }
+    using Records = PageRecords<H, P>;
+    if (const char* why = unsound_facts(header.facts, header.node_count & 0xffffffffu))
+        return std::string("is damaged: ") + why;
+    if (header.page_bytes == 0 || header.page_bytes > most_page_bytes ||
+        header.page_bytes % Records::common_multiple != 0 || header.page_count == 0 ||
+        header.first_page % page_file_alignment != 0 || header.first_page > most_page_bytes ||
+        header.file_bytes != header.first_page + std::uint64_t(header.page_count) * header.page_bytes ||
+        !is_portal(header.root) || portal_of(header.root).page != 0) {
+        return "is damaged: its pages cannot lie where it says";
+    }
+    if (header.file_bytes != file_bytes) {
+        return std::string(header.file_bytes > file_bytes ? "is truncated" : "is too long") + ": it has " +
+               std::to_string(file_bytes) + " bytes and should have " + std::to_string(header.file_bytes);
+    }
+    return {};
+}
+
+}  // namespace detail
+
+/// Whether what a source holds says that it is a file of pages of H over P: for programs that know several.
+template <Pageable H, PageablePrimitive P, PageSource S>
+bool holds_pages_of(S& source) {
+    detail::PageFileHeader header;
+    if (source.size() < sizeof header) return false;
+    const auto bytes = std::as_writable_bytes(std::span(&header, 1));
+    return source.read(0, bytes).status == ReadStatus::done && header.magic == detail::page_file_magic &&
+           header.records == detail::page_records<H, P>();
+}
+
+/// Opens a file of pages from any source, which the result and its copies share; `where` names it in messages. H and P
+/// are what it was made of. Reads its header and first page. Throws std::runtime_error if anything is wrong with them;
+/// std::invalid_argument if the options leave no room for two pages.
+template <Pageable H, PageablePrimitive P, PageSource S>
+PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string& where,
+                                   const PageCacheOptions& options = {}) {
+    using Paged = PagedHierarchy<H, P>;
+    const auto refuse_if = [&](const std::string& why) {
+        if (!why.empty()) detail::fail<std::runtime_error>("farfield::open_pages: " + where + ": " + why);
+    };
+    const auto read = [&](std::uint64_t offset, std::size_t size) {
+        std::vector<std::byte> bytes(size);
+        const ReadResult result = source->read(offset, bytes);
+        if (result.status != ReadStatus::done) refuse_if(result.message);
+        return bytes;
+    };
+    auto file = std::make_shared<typename Paged::File>();
+    const std::uint64_t size = source->size();
+    detail::PageFileHeader& header = file->header;
+    refuse_if(detail::wrong_page_file<H, P>(read(0, std::size_t(std::min<std::uint64_t>(size, sizeof header))), header,
+                                            size));
+    const std::vector<std::byte> rest = read(sizeof header, std::size_t(header.first_page - sizeof header));
+    std::span<const std::byte> options_left(rest);
+    const auto policy = [&](auto& to) {
+        const std::size_t bytes = detail::bytes_of_numbers<std::remove_reference_t<decltype(to)>>();
+        const bool good = bytes <= options_left.size() && detail::read_numbers(options_left.first(bytes), to);
+        options_left = options_left.subspan(std::min(bytes, options_left.size()));
+        return good;
+    };
+    using A = typename H::approximation_type;
+    if (header.option_bytes > rest.size() ||
+        header.checksum_of_options != detail::Xxh64::of(options_left.first(header.option_bytes)) ||
+        !policy(file->partition) || !policy(static_cast<detail::stored_approximation_of<A>&>(file->approximation)) ||
+        !policy(file->cost) || rest.size() - options_left.size() != header.option_bytes) {
+        refuse_if("is damaged: its options are not whole");
+    }
+    for (const char* why : {detail::wrong_option(file->partition), detail::wrong_option(file->approximation),
+                            detail::wrong_option(file->cost)}) {
+        if (why != nullptr) refuse_if(std::string("is damaged: ") + why);
+    }
+    if constexpr (A::facts.samples_primitives) file->approximation.samples_up_to_px = 0;
+    const detail::PageExpected expected{0, header.page_count, header.facts.fingerprint};
+    file->cache = std::make_shared<detail::PageCache>(
+        where, detail::PagePlaces{header.first_page, header.page_bytes, header.page_count}, source->merging(),
+        [source](std::uint64_t offset, std::span<std::byte> bytes) { return source->read(offset, bytes); },
+        [expected, partition = file->partition, approximation = file->approximation](
+            std::span<std::byte> page, std::uint32_t number, std::uint64_t begin) {
+            detail::PageExpected e = expected;
+            e.number = number;
+            const char* const why = detail::unsound_page<H, P>(page, e, partition, approximation);
+            if (why == nullptr) detail::place_page<H, P>(page, begin);
+            return why;
+        },
+        options);
+    return Paged(std::shared_ptr<const typename Paged::File>(std::move(file)));
+}
+
+/// Opens a file.
+template <Pageable H, PageablePrimitive P>
+PagedHierarchy<H, P> open_pages(const std::filesystem::path& path, const PageCacheOptions& options = {}) {
+    return open_pages_of<H, P>(std::make_shared<FilePageSource>(path), path.string(), options);
+}
+
+}  // namespace farfield

@@ -1,0 +1,244 @@
+#include "farfield/build_pages.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#if __has_include(<sys/wait.h>)
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
+#include "catch.hpp"
+#include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/approximation/sample_set.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/executor.hpp"
+#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/viewer.hpp"
+#include "support/pictures.hpp"
+#include "support/random.hpp"
+#include "support/scenes.hpp"
+#include "support/temporary_directory.hpp"
+#include "support/views.hpp"
+
+using namespace farfield;
+using namespace farfield::test;
+
+namespace {
+
+using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
+
+auto stream_of(const Triangles& scene) {
+    return [&scene](auto&& take) {
+        for (const Triangle& t : scene) take(t);
+    };
+}
+std::vector<char> bytes_of_file(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+/// So little memory that a small scene has many parts.
+template <class H>
+PageBuildOptions<H> in_many_parts() {
+    PageBuildOptions<H> options;
+    options.page_bytes = 8192;
+    options.memory_bytes = 1 << 20;
+    return options;
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("A scene that is built in parts is drawn as if it had been built at once", "",
+                   (SpatialHierarchy<Octree, OpacityTensor, TriangleCount>),
+                   (SpatialHierarchy<Octree, ColorCube, TriangleCount>),
+                   (SpatialHierarchy<Octree, SampleSet<>, TriangleCount>)) {
+    const TemporaryDirectory directory;
+    const Triangles scene = mixed_triangles(20000, 7);
+    const auto path = directory.path() / "scene.farfield";
+    build_pages<TestType, Triangle>(stream_of(scene), path, in_many_parts<TestType>());
+    CHECK(std::distance(std::filesystem::directory_iterator(directory.path()), {}) == 1);
+    auto pages = open_pages<TestType, Triangle>(path);
+    pages.wait_for_pages(true);
+    const auto h = build<TestType>(scene);
+    ZBufferRenderer renderer({.samples = 4}), paged_renderer({.samples = 4});
+    auto viewer = make_viewer(h, scene, renderer);
+    auto paged_viewer = make_viewer(pages, paged_renderer);
+    for (const float distance : {0.2f, 1.0f, 3.0f, 10.0f, 40.0f}) {
+        for (const float tolerance : {0.0f, 1.0f, 4.0f}) {
+            const View v = looking(glm::dvec3(0.3, 0.4, 1.0) * double(distance), glm::dvec3(0), 160, tolerance);
+            viewer.frame(v);
+            const FrameStats stats = paged_viewer.frame(v);
+            INFO("distance " << distance << " tolerance " << tolerance);
+            CHECK(stats.cells_missing == 0);
+            if (tolerance == 0) {
+                CHECK(different_pixels(renderer.image(), paged_renderer.image()) <= 3);
+            } else {
+                // Stand-ins that a build in memory does not keep are there.
+                CHECK(rms_difference(renderer.image(), paged_renderer.image()) < 0.03);
+            }
+        }
+    }
+}
+
+TEST_CASE("A file of pages has the same bytes however it was built") {
+    const TemporaryDirectory directory;
+    const Triangles scene = mixed_triangles(20000, 11);
+    auto options = in_many_parts<Tensors>();
+    const auto path = directory.path() / "scene.farfield";
+    build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+    const std::vector<char> expected = bytes_of_file(path);
+    std::filesystem::remove(path);
+
+    SECTION("on several threads") {
+        options.build.executor = ThreadExecutor(3);
+        build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+        CHECK(bytes_of_file(path) == expected);
+    }
+    SECTION("in shares") {
+        for (const std::uint32_t count : {2u, 3u, 7u, 100u}) {
+            for (std::uint32_t i = count; i-- > 0;) {
+                build_page_share<Tensors, Triangle>(stream_of(scene), path, {i, count}, options);
+            }
+            join_page_shares<Tensors, Triangle>(path, count, options);
+            CHECK(bytes_of_file(path) == expected);
+            CHECK(std::distance(std::filesystem::directory_iterator(directory.path()), {}) == 1);
+        }
+    }
+}
+
+#if __has_include(<sys/wait.h>)
+TEST_CASE("A build that is killed over and over goes on, and leaves no file that could be mistaken for a whole one") {
+    const TemporaryDirectory directory;
+    const Triangles scene = mixed_triangles(20000, 13);
+    const auto options = in_many_parts<Tensors>();
+    const auto path = directory.path() / "scene.farfield", other = directory.path() / "other.farfield";
+    build_pages<Tensors, Triangle>(stream_of(scene), other, options);
+    Random random(5);
+    int killed = 0;
+    for (int attempt = 0; attempt < 20; ++attempt) {
+        const ::pid_t child = ::fork();
+        if (child == 0) {
+            build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+            ::_exit(0);
+        }
+        ::usleep(::useconds_t(random.between(0, 60000)));
+        ::kill(child, SIGKILL);
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        killed += WIFSIGNALED(status);
+        if (std::filesystem::exists(path)) {
+            CHECK(bytes_of_file(path) == bytes_of_file(other));
+            std::filesystem::remove(path);
+        }
+        for (const auto& entry : std::filesystem::directory_iterator(directory.path())) {
+            if (entry.path().extension() != ".pages") continue;
+            CHECK_THROWS_AS((open_pages<Tensors, Triangle>(entry.path())), std::runtime_error);
+        }
+    }
+    CHECK(killed > 0);
+    build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+    CHECK(bytes_of_file(path) == bytes_of_file(other));
+}
+#endif
+
+TEST_CASE("A build in parts refuses what a build in memory refuses, and says what else is wrong") {
+    const TemporaryDirectory directory;
+    const auto path = directory.path() / "scene.farfield";
+    const auto options = in_many_parts<Tensors>();
+    Triangles scene = mixed_triangles(3000, 17);
+    SECTION("a primitive that is not finite") {
+        scene[1234].vertices[1].y = std::numeric_limits<float>::quiet_NaN();
+        CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream_of(scene), path, options)),
+                          Catch::Matchers::Contains("primitive 1234"));
+    }
+    SECTION("a stream that changes") {
+        int reads = 0;
+        const auto stream = [&](auto&& take) {
+            const std::size_t count = scene.size() - std::size_t(reads++ == 2);
+            for (std::size_t i = 0; i < count; ++i) take(scene[i]);
+        };
+        CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream, path, options)),
+                          Catch::Matchers::Contains("3000") && Catch::Matchers::Contains("2999"));
+    }
+    SECTION("a share that is missing") {
+        build_page_share<Tensors, Triangle>(stream_of(scene), path, {0, 2}, options);
+        CHECK_THROWS_WITH((join_page_shares<Tensors, Triangle>(path, 2, options)),
+                          Catch::Matchers::Contains("share 1 of 2"));
+    }
+    SECTION("a share of something else") {
+        build_page_share<Tensors, Triangle>(stream_of(scene), path, {0, 2}, options);
+        scene[0].vertices[0].x += 0.001f;
+        build_page_share<Tensors, Triangle>(stream_of(scene), path, {1, 2}, options);
+        CHECK_THROWS_WITH((join_page_shares<Tensors, Triangle>(path, 2, options)),
+                          Catch::Matchers::Contains("share 1 of 2"));
+    }
+    SECTION("a callback that cancels, after which a build goes on") {
+        auto canceling = options;
+        canceling.build.progress = [](const BuildProgress& p) { return p.phase != BuildPhase::building; };
+        CHECK_THROWS_AS((build_pages<Tensors, Triangle>(stream_of(scene), path, canceling)), BuildCanceled);
+        CHECK_FALSE(std::filesystem::exists(path));
+        build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+        CHECK(std::filesystem::exists(path));
+    }
+    SECTION("a folder that does not exist") {
+        CHECK_THROWS_WITH(
+            (build_pages<Tensors, Triangle>(stream_of(scene), directory.path() / "no" / "scene", options)),
+            Catch::Matchers::Contains("scene"));
+    }
+}
+
+TEST_CASE("Scenes of any kind are built in parts") {
+    const TemporaryDirectory directory;
+    const auto path = directory.path() / "scene.farfield";
+    const auto options = in_many_parts<Tensors>();
+    Triangles scene;
+    SECTION("nothing") {}
+    SECTION("one triangle") {
+        scene = random_triangles(1, 1);
+    }
+    SECTION("the same triangle many times, more than a page holds") {
+        scene.assign(5000, random_triangles(1, 1)[0]);
+    }
+    SECTION("one point") {
+        scene.assign(3000, Triangle{});
+    }
+    SECTION("all in a plane") {
+        scene = sheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 60, 60, {200, 100, 50, 255});
+    }
+    SECTION("a large one among small ones") {
+        scene = random_triangles(4000, 3, 0.01f);
+        scene.push_back({{glm::vec3(-50, -50, 0), glm::vec3(50, -50, 0), glm::vec3(0, 50, 0)}, {9, 9, 9, 255}});
+    }
+    SECTION("far from the origin") {
+        scene = moved(mixed_triangles(4000, 3), 1, glm::vec3(1e5f, -3e5f, 2e5f));
+    }
+    SECTION("very small") {
+        scene = moved(mixed_triangles(4000, 3), 1e-18f);
+    }
+    build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+    auto pages = open_pages<Tensors, Triangle>(path);
+    pages.wait_for_pages(true);
+    CHECK(pages.primitive_count() == scene.size());
+    const auto h = build<Tensors>(scene);
+    ZBufferRenderer renderer, paged_renderer;
+    auto viewer = make_viewer(h, scene, renderer);
+    auto paged_viewer = make_viewer(pages, paged_renderer);
+    const glm::dvec3 center = h.bounds().is_empty() ? glm::dvec3(0) : glm::dvec3(h.bounds().center());
+    const double size = h.bounds().is_empty() ? 1.0 : std::max(double(h.bounds().largest_side()), 1e-20);
+    const View v = looking(center + glm::dvec3(0.3, 0.4, 1.0) * (1.5 * size), center, 100, 0);
+    viewer.frame(v);
+    paged_viewer.frame(v);
+    CHECK(different_pixels(renderer.image(), paged_renderer.image()) <= 3);
+}

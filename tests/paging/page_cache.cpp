@@ -1,0 +1,5 @@
+#include "farfield/paging/page_cache.hpp"
+
+#include "catch.hpp"
+
+using namespace farfield;
