@@ -34,6 +34,9 @@ bool all_stand_in_below(const E& e, const Subtree& subtree, unsigned levels) {
     const auto& h = e.hierarchy;
     const auto& policy = h.approximation_policy();
     const Node& node = h.nodes()[subtree.node];
+    if constexpr (PagedAtRunTime<typename E::hierarchy_type>) {
+        if (h.is_portal(node)) return false;  // what lies elsewhere may be missing
+    }
     if (!subtree.has_stand_in() || node.child_mask == 0) return false;
     if (!policy.is_in_children(h.stand_ins()[subtree.stand_in])) return false;
     if constexpr (E::hierarchy_type::approximation_type::facts.bounds_error) {
