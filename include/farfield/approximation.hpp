@@ -200,6 +200,8 @@ struct SampledCell {
     std::uint32_t items = 0;        ///< in its subtree
     std::uint32_t fixed = 0;        ///< of these, items that never move: instances, and what has no area
     std::uint32_t sample_size = 0;  ///< items in its sample
+    /// Whether all that lay in it before anything moved lies in children that still hold something.
+    bool is_in_children = false;
 };
 
 /// Inner cells hold samples of what lies below them, so that a frame refines by adding (Klein et al. 2002). A build
