@@ -62,8 +62,16 @@ class DrawWithImages : public DrawNow<R> {
         const CellImage* image = kept_.image_of(*cell);
         if (image != nullptr && (is_in_image_ ? may_be_in_image(v, *image) : is_drawn(v, *cell, *image))) {
             queue_.flush(v.source);
-            for (int i = 0; i < image->slices; ++i) quads_[std::size_t(i)] = image->quad(i);
-            renderer_.draw(std::span<const ImageQuad>(quads_.data(), std::size_t(image->slices)));
+            float shown = 1;
+            if (const CellImage* old = is_in_image_ ? nullptr : kept_.fading_of(*cell)) {
+                // Threshold or no, something old is better seen for a while than gone at once.
+                if (is_good(*old, v.view, options_, options_.is_conservative ? 1.0f : 2.0f)) {
+                    const auto frames = float(kept_.frame() - image->made_frame + 1);
+                    shown = std::min(frames / float(options_.fade_frames + 1), 1.0f);
+                    draw(*old, shown, 1);
+                }
+            }
+            draw(*image, 0, shown);
             ++images_;
             return CellDrawn::by_image;
         }
@@ -76,6 +84,16 @@ class DrawWithImages : public DrawNow<R> {
     float inherited_radius() const { return inherited_radius_; }
 
   private:
+    void draw(const CellImage& image, float first_part, float end_part) {
+        for (int i = 0; i < image.slices; ++i) {
+            ImageQuad& quad = quads_[std::size_t(i)];
+            quad = image.quad(i);
+            quad.first_part = first_part;
+            quad.end_part = end_part;
+        }
+        renderer_.draw(std::span<const ImageQuad>(quads_.data(), std::size_t(image.slices)));
+    }
+
     template <class V>
     bool is_drawn(const V& v, const KeptCell& cell, const CellImage& image) const {
         if (cell.drawn_frame == kept_.frame()) return true;
@@ -132,6 +150,7 @@ class ImageMaker {
         deposits_ = deposits;
         options_ = &options;
         kept_.begin_frame();
+        kept_.end_fades(options.fade_frames, [&](std::uint32_t handle) { renderer_.free_image(handle); });
         wanted_.clear();
         renewals_.clear();
         stats_ = {};
@@ -197,8 +216,15 @@ class ImageMaker {
     bool make(const WantedImage<ImageMaker>& wanted) {
         KeptCell& cell = kept_.cell(wanted.cell);
         const auto free_handle = [&](std::uint32_t handle) { renderer_.free_image(handle); };
-        if (cell.image != KeptCell::no_image) kept_.forget(cell, free_handle);
         const std::uint64_t bytes = bytes_of(wanted);
+        if (cell.image != KeptCell::no_image) {
+            const bool was_seen = cell.drawn_frame + 1 >= kept_.frame();
+            if (options_->fade_frames > 0 && was_seen && kept_.bytes() + bytes <= options_->budget_bytes) {
+                kept_.fade(cell, free_handle);
+            } else {
+                kept_.forget(cell, free_handle);
+            }
+        }
         if (!kept_.make_room(bytes, options_->budget_bytes, free_handle)) return false;
         CellImage image = planned_image(wanted.view, wanted.subtree.cell.bounds_center, wanted.subtree.cell.bounds_half,
                                         wanted.rect, wanted.slices);

@@ -15,6 +15,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "farfield/approximation.hpp"
@@ -182,6 +183,7 @@ struct KeptCell {
 
     CellId id;
     std::uint32_t image = no_image;   ///< index into images
+    std::uint32_t fading = no_image;  ///< the one that was renewed, and is still seen in part
     std::uint32_t seen_frame = 0;     ///< it was looked at last
     std::uint32_t drawn_frame = 0;    ///< its image is drawn in
     std::uint32_t parts_frame = 0;    ///< images of cells below are drawn in
@@ -203,18 +205,24 @@ class KeptImages {
         is_ordered_ = false;
         if (cells_.size() < sweep_at_) return;
         std::erase_if(cells_, [&](const KeptCell& cell) {
-            return cell.image == KeptCell::no_image && cell.seen_frame + long_unseen < frame_;
+            return cell.image == KeptCell::no_image && cell.fading == KeptCell::no_image &&
+                   cell.seen_frame + long_unseen < frame_;
         });
         sweep_at_ = std::max<std::size_t>(least_cells, 2 * cells_.size());
         index_all(slots_.size());
     }
 
     KeptCell* find(CellId id) {
+        // A cell is asked for again at once: whether it is hidden, then how it is drawn.
+        if (last_ < cells_.size() && cells_[last_].id.node == id.node && cells_[last_].id.path == id.path)
+            return &cells_[last_];
         if (slots_.empty()) return nullptr;
         for (std::size_t at = hash(id) & (slots_.size() - 1);; at = (at + 1) & (slots_.size() - 1)) {
             if (slots_[at] == 0) return nullptr;
             KeptCell& cell = cells_[slots_[at] - 1];
-            if (cell.id.node == id.node && cell.id.path == id.path) return &cell;
+            if (cell.id.node != id.node || cell.id.path != id.path) continue;
+            last_ = slots_[at] - 1;
+            return &cell;
         }
     }
     /// Adds the cell if it is not there.
@@ -231,6 +239,9 @@ class KeptImages {
     KeptCell& cell(std::uint32_t index) { return cells_[index]; }
     CellImage* image_of(const KeptCell& cell) {
         return cell.image == KeptCell::no_image ? nullptr : &images_[cell.image];
+    }
+    CellImage* fading_of(const KeptCell& cell) {
+        return cell.fading == KeptCell::no_image ? nullptr : &images_[cell.fading];
     }
 
     /// Frees images that were not drawn in this frame or the last one, those unseen for longest first, until so many
@@ -250,17 +261,37 @@ class KeptImages {
     }
     template <class Free>
     void forget(KeptCell& cell, Free&& free_handle) {
-        CellImage& image = images_[cell.image];
-        for (int i = 0; i < image.slices; ++i) free_handle(image.handles[std::size_t(i)]);
-        bytes_ -= image.bytes;
-        free_.push_back(cell.image);
-        image.slices = 0;
-        cell.image = KeptCell::no_image;
+        release(cell.image, free_handle);
+        forget_fading(cell, free_handle);
+    }
+    template <class Free>
+    void forget_fading(KeptCell& cell, Free&& free_handle) {
+        if (cell.fading == KeptCell::no_image) return;
+        release(cell.fading, free_handle);
+        --fading_;
+    }
+    /// The image is kept for as long as it fades; the cell has none until it gets a new one.
+    template <class Free>
+    void fade(KeptCell& cell, Free&& free_handle) {
+        forget_fading(cell, free_handle);
+        cell.fading = std::exchange(cell.image, KeptCell::no_image);
+        ++fading_;
+    }
+    /// Forgets images whose successors are so many frames old.
+    template <class Free>
+    void end_fades(std::uint32_t frames, Free&& free_handle) {
+        if (fading_ == 0) return;
+        for (KeptCell& cell : cells_) {
+            if (cell.fading == KeptCell::no_image) continue;
+            const CellImage* image = image_of(cell);
+            if (image == nullptr || frame_ - image->made_frame >= frames) forget_fading(cell, free_handle);
+        }
     }
     template <class Free>
     void forget_all(Free&& free_handle) {
         for (KeptCell& cell : cells_) {
             if (cell.image != KeptCell::no_image) forget(cell, free_handle);
+            forget_fading(cell, free_handle);
         }
     }
     void keep(KeptCell& cell, const CellImage& image) {
@@ -277,6 +308,16 @@ class KeptImages {
     }
 
   private:
+    template <class Free>
+    void release(std::uint32_t& index, Free& free_handle) {
+        CellImage& image = images_[index];
+        for (int i = 0; i < image.slices; ++i) free_handle(image.handles[std::size_t(i)]);
+        bytes_ -= image.bytes;
+        free_.push_back(index);
+        image.slices = 0;
+        index = KeptCell::no_image;
+    }
+
     static constexpr std::uint32_t long_unseen = 64;
     static constexpr std::size_t least_cells = 4096;
 
@@ -304,6 +345,8 @@ class KeptImages {
 
     std::uint32_t frame_ = 1;
     std::uint64_t bytes_ = 0;
+    std::uint32_t last_ = 0;  ///< cell that was found last
+    std::size_t fading_ = 0;  ///< images that fade
     std::size_t sweep_at_ = least_cells;
     std::vector<KeptCell> cells_;
     std::vector<std::uint32_t> slots_;  ///< index into cells_ and one more; 0: free. Linear probing
