@@ -115,7 +115,7 @@ Triangles dots(int count) {
     for (int i = 0; i < count; ++i) {
         const int column = i % 9, row = i / 9;
         const float depth = 20 + 4 * float((2 * i + row) % 5);
-        const glm::vec2 at(0.06f * float(column) - 0.24f, 0.1f * float(row) - 0.2f);
+        const glm::vec2 at(0.04f * float(column) - 0.16f, 0.05f * float(row) - 0.1f);
         const float size = 0.012f * depth;
         const Triangles dot = sheet(glm::vec3(at * depth, -depth), {size, 0, 0}, {0, size, 0}, 8, 8,
                                     {std::uint8_t(10 + 5 * i), 255, std::uint8_t(250 - 5 * i), 255});
@@ -218,7 +218,7 @@ TEST_CASE("conservative images of images displace nothing by more than the thres
     Triangles all = dots(count);
     add_something_aside(all);
     MeasuredTime prices = free_images();
-    prices.image = 50;
+    prices.image = 5;
     using InGaps = SpatialHierarchy<GapBsp, ImageCache<Exact>, MeasuredTime>;
     const auto cached =
         build<InGaps>(all, {.partition = GapBsp::along_axes(),

@@ -1,5 +1,5 @@
-// An image of a cell as a viewer keeps it: where its rectangle lies, and whether it may be drawn in a view (Shade et al.
-// 1996, sections 2 and 3).
+// An image of a cell as a viewer keeps it: where its rectangle lies, and whether it may be drawn in a view (Shade et
+// al. 1996, sections 2 and 3).
 #pragma once
 
 #include "farfield/settings.hpp"
