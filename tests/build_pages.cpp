@@ -1,10 +1,13 @@
 #include "farfield/build_pages.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
 #include <iterator>
 #include <limits>
 #include <stdexcept>
@@ -13,6 +16,7 @@
 
 #if __has_include(<sys/wait.h>)
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #endif
@@ -24,6 +28,7 @@
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/executor.hpp"
 #include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
@@ -151,7 +156,163 @@ TEST_CASE("A build that is killed over and over goes on, and leaves no file that
     build_pages<Tensors, Triangle>(stream_of(scene), path, options);
     CHECK(bytes_of_file(path) == bytes_of_file(other));
 }
+
+TEST_CASE("A build whose disk is full names the file, and goes on when there is room") {
+    const TemporaryDirectory directory;
+    const Triangles scene = mixed_triangles(20000, 13);
+    const auto options = in_many_parts<Tensors>();
+    const auto path = directory.path() / "scene.farfield", other = directory.path() / "other.farfield";
+    build_pages<Tensors, Triangle>(stream_of(scene), other, options);
+    const std::vector<char> expected = bytes_of_file(other);
+    // Files that may not grow beyond a limit say what a full disk says.
+    const auto old_action = ::signal(SIGXFSZ, SIG_IGN);
+    ::rlimit old_limit{};
+    REQUIRE(::getrlimit(RLIMIT_FSIZE, &old_limit) == 0);
+    int refused = 0;
+    for (const std::size_t eighths : {0u, 1u, 3u, 6u, 7u}) {
+        ::rlimit limit = old_limit;
+        limit.rlim_cur = expected.size() * eighths / 8;
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+        std::string message;
+        try {
+            build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+        } catch (const std::runtime_error& e) {
+            message = e.what();
+        }
+        ::setrlimit(RLIMIT_FSIZE, &old_limit);
+        INFO(eighths << " eighths: " << message);
+        CHECK(message.find("scene.farfield") != message.npos);
+        CHECK_FALSE(std::filesystem::exists(path));
+        refused += !message.empty();
+    }
+    ::signal(SIGXFSZ, old_action);
+    CHECK(refused == 5);
+    build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+    CHECK(bytes_of_file(path) == expected);
+    CHECK(directory.files() == 2);
+}
 #endif
+
+TEST_CASE("What another build has left does not get into this one, nor what is left of it in pieces") {
+    const TemporaryDirectory directory;
+    const Triangles scene = mixed_triangles(8000, 19), other_scene = mixed_triangles(8000, 23);
+    const auto options = in_many_parts<Tensors>();
+    const auto path = directory.path() / "scene.farfield";
+    build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+    const std::vector<char> expected = bytes_of_file(path);
+    std::filesystem::remove(path);
+    const auto leave = [&](const Triangles& of, std::uint32_t page_bytes) {
+        auto stopped = options;
+        stopped.page_bytes = page_bytes;
+        int groups = 0;
+        stopped.build.progress = [&](const BuildProgress& p) {
+            return p.phase != BuildPhase::building || ++groups < 2;
+        };
+        CHECK_THROWS_AS((build_pages<Tensors, Triangle>(stream_of(of), path, stopped)), BuildCanceled);
+        REQUIRE(std::filesystem::exists(directory / "scene.farfield.0-of-1.journal"));
+    };
+    const auto goes_on = [&] {
+        build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+        CHECK(bytes_of_file(path) == expected);
+        CHECK(directory.files() == 1);
+        std::filesystem::remove(path);
+    };
+    leave(other_scene, 8192);
+    goes_on();
+    leave(scene, 16384);
+    goes_on();
+    Random random(7);
+    for (int damage = 0; damage < 8; ++damage) {
+        leave(scene, 8192);
+        const auto journal = directory / "scene.farfield.0-of-1.journal";
+        std::vector<char> bytes = bytes_of_file(journal);
+        REQUIRE(bytes.size() > 100);
+        switch (damage % 4) {
+            case 0:
+                bytes.resize(random.below(std::uint32_t(bytes.size())));
+                break;
+            case 1:
+                bytes[random.below(std::uint32_t(bytes.size()))] ^= char(1 << random.below(8));
+                break;
+            case 2:
+                std::filesystem::remove(directory / "scene.farfield.0-of-1.pages");
+                break;
+            default:
+                std::filesystem::remove(directory / "scene.farfield.0-of-1.scattered");
+                break;
+        }
+        directory.write(journal.filename().string(), std::string(bytes.begin(), bytes.end()));
+        INFO("damage " << damage);
+        goes_on();
+    }
+    directory.write("scene.farfield.0-of-1.journal", std::string(5000, 'x'));
+    directory.write("scene.farfield.0-of-1.pages", "x");
+    goes_on();
+}
+
+namespace {
+
+struct WideTriangle {
+    std::array<glm::dvec3, 3> vertices;
+    Rgba8 rgba;
+    std::uint32_t spare = 0;
+
+    BoxD bounds() const {
+        return {glm::min(vertices[0], glm::min(vertices[1], vertices[2])),
+                glm::max(vertices[0], glm::max(vertices[1], vertices[2]))};
+    }
+    template <class Sink>
+    void polygons(Sink&& sink) const {
+        sink(PolygonD{vertices, {&rgba, 1}});
+    }
+};
+
+}  // namespace
+
+TEST_CASE("Primitives in double precision lie where they lie in a build in memory") {
+    const TemporaryDirectory directory;
+    std::vector<WideTriangle> scene;
+    const glm::dvec3 offset(1e7, -3e6, 5e8);
+    for (const Triangle& t : mixed_triangles(8000, 29)) {
+        const auto wide = [&](int i) { return glm::dvec3(t.vertices[std::size_t(i)]) + offset; };
+        scene.push_back({{wide(0), wide(1), wide(2)}, t.rgba});
+    }
+    const auto stream = [&scene](auto&& take) {
+        for (const WideTriangle& t : scene) take(t);
+    };
+    const auto path = directory / "scene.farfield";
+    build_pages<Tensors, WideTriangle>(stream, path, in_many_parts<Tensors>());
+    const auto h = build<Tensors>(scene);
+    auto pages = open_pages<Tensors, WideTriangle>(path);
+    pages.wait_for_pages(true);
+    CHECK(pages.origin() == h.origin());
+    CHECK(pages.bounds() == h.bounds());
+    CHECK(pages.root_cell().center == h.root_cell().center);
+    ZBufferRenderer renderer, paged_renderer;
+    auto viewer = make_viewer(h, scene, renderer);
+    auto paged_viewer = make_viewer(pages, paged_renderer);
+    for (const float distance : {0.5f, 3.0f}) {
+        const View v = looking(offset + glm::dvec3(0.3, 0.4, 1.0) * double(distance), offset, 100, 0);
+        viewer.frame(v);
+        CHECK(paged_viewer.frame(v).cells_missing == 0);
+        CHECK(coverage(renderer.image()) > 100);
+        CHECK(different_pixels(renderer.image(), paged_renderer.image()) <= 3);
+    }
+}
+
+TEST_CASE("Pages of a build may be asked to be smaller than any can be") {
+    const TemporaryDirectory directory;
+    const Triangles scene = mixed_triangles(3000, 31);
+    auto options = in_many_parts<Tensors>();
+    options.page_bytes = 1;
+    const auto path = directory / "scene.farfield";
+    build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+    auto pages = open_pages<Tensors, Triangle>(path);
+    pages.wait_for_pages(true);
+    ZBufferRenderer renderer;
+    auto viewer = make_viewer(pages, renderer);
+    CHECK(viewer.frame(looking(glm::dvec3(1, 1, 2), glm::dvec3(0), 64, 1)).cells_missing == 0);
+}
 
 TEST_CASE("A build in parts refuses what a build in memory refuses, and says what else is wrong") {
     const TemporaryDirectory directory;

@@ -95,8 +95,12 @@ class PageBuilder {
         std::uint64_t needed = 1;
         do {
             // One more try for each cell that is larger than all before it; what goes into a group does not change.
-            plan_.page_bytes =
-                std::uint32_t(Records::page_bytes(std::max<std::uint64_t>(options_.page_bytes, 1), needed));
+            if (needed > Records::most_bytes) {
+                fail<std::invalid_argument>("farfield::build_pages: one cell by itself takes " +
+                                            std::to_string(needed) + " bytes, more than the " +
+                                            std::to_string(Records::most_bytes) + " that a page may have");
+            }
+            plan_.page_bytes = std::uint32_t(Records::page_bytes(options_.page_bytes, needed));
             needed = build_groups(stream, tree, share);
         } while (needed != 0);
     }

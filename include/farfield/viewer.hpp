@@ -118,7 +118,8 @@ class Viewer {
           sources_(renderer),
           queue_(renderer, stats_),
           images_(renderer, sources_) {
-        if (!sources_.add_all_of(other.sources_)) sources_.add_all(hierarchy_, primitives_);
+        // What lies in pages is another copy, by which nothing is known yet.
+        if (PagedAtRunTime<H> || !sources_.add_all_of(other.sources_)) sources_.add_all(hierarchy_, primitives_);
     }
     /// What is borrowed must outlive the viewer, as what is made in the call does not.
     Viewer(const H&&, std::span<const P>, R&) = delete;
@@ -158,14 +159,14 @@ class Viewer {
     }
 
     /// Keeps what frame() would draw without images if nothing hid anything. The renderer is not touched. Throws for
-    /// memory alone.
-    Selection<H, P> select(const View& view) {
+    /// memory alone. What lies in pages may be gone when it is drawn, and is not selected.
+    Selection<H, P> select(const View& view) requires(!PagedAtRunTime<H>) {
         Selection<H, P> selection;
         select(view, selection);
         return selection;
     }
     /// Selects into the memory that a selection has already.
-    void select(const View& view, Selection<H, P>& selection) {
+    void select(const View& view, Selection<H, P>& selection) requires(!PagedAtRunTime<H>) {
         const LocalView local = outermost(view);
         selection.select(hierarchy_, primitives_, view, local, traversal_order<H, R>,
                          [&](detail::SelectionSink& sink, FrameStats& stats) {
@@ -177,7 +178,7 @@ class Viewer {
 
     /// Draws the best that a budget pays for, without images; see frame/frame_budget.hpp. The refinement is this
     /// viewer's own. Throws what frame() throws, and std::invalid_argument for a budget that is none.
-    FrameStats frame(const View& view, const FrameBudget& budget, Refinement& refinement) {
+    FrameStats frame(const View& view, const FrameBudget& budget, Refinement& refinement) requires(!PagedAtRunTime<H>) {
         const LocalView local = outermost(view);
         refinement.refine(hierarchy_, primitives_, local, budget, queue_.splat_limit_px());
         begin(local, view);
@@ -187,7 +188,8 @@ class Viewer {
         return end();
     }
     /// Selects it, into memory that both keep from frame to frame.
-    void select(const View& view, const FrameBudget& budget, Refinement& refinement, Selection<H, P>& selection) {
+    void select(const View& view, const FrameBudget& budget, Refinement& refinement,
+                Selection<H, P>& selection) requires(!PagedAtRunTime<H>) {
         const LocalView local = outermost(view);
         refinement.refine(hierarchy_, primitives_, local, budget, queue_.splat_limit_px());
         selection.select(hierarchy_, primitives_, view, local, traversal_order<H, R>,

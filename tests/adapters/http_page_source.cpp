@@ -17,9 +17,20 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/build.hpp"
+#include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/write_pages.hpp"
+#include "farfield/partition/octree.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/viewer.hpp"
 #include "http_server.hpp"
+#include "support/pictures.hpp"
 #include "support/random.hpp"
+#include "support/scenes.hpp"
 #include "support/temporary_directory.hpp"
+#include "support/views.hpp"
 
 extern char** environ;
 
@@ -410,6 +421,42 @@ TEST_CASE("a server that goes and comes back") {
     }
     server = std::make_unique<HttpServer>(file(), port);
     CHECK(is_right(read(source, 5000, 2000), 5000));
+}
+
+TEST_CASE("pages on a server are drawn as those in memory, coarser while it is away, and whole when it is back") {
+    using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
+    const Triangles scene = test::mixed_triangles(20000, 7);
+    const auto h = build<Tensors>(scene);
+    const auto bytes = paged<Tensors, Triangle>(h, scene, {.page_bytes = 4096});
+    const HttpServer::Answer pages_file =
+        file({std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())});
+    auto server = std::make_unique<HttpServer>(pages_file);
+    const std::uint16_t port = server->port();
+    const auto pages = open_pages_of<Tensors, Triangle>(std::make_shared<HttpPageSource>(server->url(), patient),
+                                                        server->url(), {.first_retry = 2ms, .longest_retry = 20ms});
+    const View view = test::looking(glm::dvec3(0.3, 0.4, 1.0), glm::dvec3(0), 96, 1);
+    ZBufferRenderer expected, renderer;
+    make_viewer(h, scene, expected).frame(view);
+    auto viewer = make_viewer(pages, renderer);
+    server.reset();
+    for (int i = 0; i < 20; ++i) {
+        CHECK(viewer.frame(view).cells_missing != 0);
+        CHECK(test::coverage(renderer.image()) > 0);
+        std::this_thread::sleep_for(1ms);
+    }
+    while (pages.cache_stats().failures == 0) std::this_thread::sleep_for(1ms);
+    CHECK(pages.cache_stats().last_failure.find("127.0.0.1") != std::string::npos);
+    server = std::make_unique<HttpServer>(pages_file, port);
+    int frames = 0;
+    while (viewer.frame(view).cells_missing != 0 && ++frames < 10000) std::this_thread::sleep_for(2ms);
+    CHECK(test::different_pixels(renderer.image(), expected.image()) <= 3);
+    CHECK(pages.cache_stats().reads < pages.cache_stats().loads);  // neighbors together
+    auto waiting = pages;
+    waiting.wait_for_pages(true);
+    ZBufferRenderer waiting_renderer;
+    auto waiting_viewer = make_viewer(waiting, waiting_renderer);
+    CHECK(waiting_viewer.frame(view).cells_missing == 0);
+    CHECK(waiting_renderer.image() == renderer.image());
 }
 
 TEST_CASE("a first field that begins with a blank hurts no later answer") {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "farfield/approximation.hpp"
 #include "farfield/cost_model.hpp"
@@ -53,18 +54,29 @@ float stand_in_error_px(const E& e, const Subtree& subtree) {
            error_of_replaced_levels(e.hierarchy.nodes()[subtree.node]);
 }
 
+/// That a cell is known by from frame to frame. What lies in pages does not keep its place in memory.
+template <class E>
+std::uint32_t name_of_node(const E& e, const Subtree& subtree) {
+    if constexpr (PagedAtRunTime<std::remove_cvref_t<decltype(e.hierarchy)>>) {
+        return e.view.tolerance_jitter == 0 ? 0 : e.hierarchy.name_of(subtree.node);
+    } else {
+        return subtree.node;
+    }
+}
+
 template <class E>
 bool may_stand_in(const E& e, const Subtree& subtree) {
     // A tolerance of 0 means every primitive, also of a cell without extent.
     return subtree.has_stand_in() && e.view.tolerance_px > 0 &&
-           stand_in_error_px(e, subtree) <= cell_tolerance(e.view, e.path, subtree.node);
+           stand_in_error_px(e, subtree) <= cell_tolerance(e.view, e.path, name_of_node(e, subtree));
 }
 
 /// How much of a cell that may stand in is what replaces it (View::fade).
 template <class E>
 float part_replaced(const E& e, const Subtree& subtree) {
     const float error = stand_in_error_px(e, subtree);
-    const float tolerance = cell_tolerance(e.view, e.path, subtree.node), first = tolerance * (1 - e.view.fade);
+    const float tolerance = cell_tolerance(e.view, e.path, name_of_node(e, subtree)),
+                first = tolerance * (1 - e.view.fade);
     return error > first ? std::min((error - first) / (tolerance - first), 1.0f) : 0.0f;
 }
 

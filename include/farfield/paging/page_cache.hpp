@@ -29,7 +29,8 @@
 namespace farfield {
 
 struct PageCacheOptions {
-    /// A limit that is never exceeded: pages, what is being read, and the cache's own tables together.
+    /// A limit that is never exceeded: pages, what is being read, and the cache's own tables together. Every viewer
+    /// takes 8 bytes a page beside, and what it asks for.
     std::size_t most_bytes = std::size_t(256) << 20;
     /// Off: nothing is loaded but by load_wanted() and by viewers that wait, on their threads.
     bool loads_in_background = true;
@@ -71,26 +72,30 @@ class PageCache {
     using Read = std::function<ReadResult(std::uint64_t, std::span<std::byte>)>;
     /// Checks a page and readies it for the memory it lies in, which begins at byte `begin` of all; null, or why not.
     using Prepare = std::function<const char*(std::span<std::byte> page, std::uint32_t number, std::uint64_t begin)>;
+    using Cancel = std::function<void()>;
 
     /// Loads page 0, which stays. Throws std::runtime_error if that fails, std::invalid_argument if the limit leaves no
-    /// room for two pages; `where` names the file.
+    /// room for two pages; `where` names the file. `cancel`, if there is one, ends reads that run when it goes.
     PageCache(std::string where, PagePlaces places, ReadMerging merging, Read read, Prepare prepare,
-              const PageCacheOptions& options)
+              const PageCacheOptions& options, Cancel cancel = {})
         : where_(std::move(where)),
           places_(places),
           merging_(merging),
           read_(std::move(read)),
           prepare_(std::move(prepare)),
+          cancel_(std::move(cancel)),
           options_(options),
           threads_wanted_(options.loads_in_background ? std::max(merging.most_reads_at_once, 1u) : 0),
           pages_a_read_(pages_a_read()),
           slots_(places.page_count, slots_within()),
           memory_(std::make_unique_for_overwrite<Line[]>(
               std::size_t(slots_.slot_count()) * places.page_bytes / sizeof(Line) + 1)) {
-        std::vector<std::byte> buffer(places_.page_bytes);
+        options_.first_retry = std::max(options_.first_retry, std::chrono::milliseconds(1));
+        options_.longest_retry = std::max(options_.longest_retry, options_.first_retry);
+        std::vector<std::byte> no_buffer;
         std::unique_lock lock(mutex_);
         states_.resize(places_.page_count);
-        load({{std::numeric_limits<float>::infinity(), 0}}, buffer, nullptr, lock);
+        load({{std::numeric_limits<float>::infinity(), 0}}, no_buffer, nullptr, lock);
         if (!slots_.is_resident(0)) {
             fail<std::runtime_error>("farfield::open_pages: " + where_ +
                                      ": its first page cannot be used: " + stats_.last_failure);
@@ -103,6 +108,7 @@ class PageCache {
             stops_ = true;
         }
         changed_.notify_all();
+        if (cancel_) cancel_();
         for (std::thread& t : threads_) t.join();
     }
     PageCache(const PageCache&) = delete;
@@ -117,7 +123,7 @@ class PageCache {
         PageCacheStats s = stats_;
         s.evictions = slots_.evictions();
         s.reloads = slots_.reloads();
-        s.resident = slots_.used_slots();
+        s.resident = slots_.resident();
         for (const User* u : users_) s.missing += u->wanted.size();
         s.bytes = bytes_of(slots_.slot_count());
         return s;
@@ -170,17 +176,19 @@ class PageCache {
         bool is_in_frame() const { return frame_ != 0; }
         /// The slot of a page, which stays until the frame ends; PageSlots::none, and it is asked for.
         std::uint32_t find(std::uint32_t page, float weight) {
+            weight = ordered(weight);
             const std::uint32_t slot = cache_->slots_.find(page, frame_, weight);
             if (slot == PageSlots::none) ask(page, weight);
             return slot;
         }
         /// Asks for a page that later frames may want, if it is not there; otherwise it counts as used, a little.
         void expect(std::uint32_t page, float weight) {
-            weight = std::min(weight, 1.0f) * 0.25f;
+            weight = std::min(ordered(weight), 1.0f) * 0.25f;
             if (cache_->slots_.find(page, frame_, weight) == PageSlots::none) ask(page, weight);
         }
         /// Loads it now, if there is room.
         std::uint32_t find_or_wait(std::uint32_t page, float weight) {
+            weight = ordered(weight);
             const std::uint32_t slot = cache_->slots_.find(page, frame_, weight);
             if (slot != PageSlots::none) return slot;
             cache_->load_now({weight, page}, *this);
@@ -198,6 +206,8 @@ class PageCache {
         };
         friend class PageCache;
 
+        /// Without what has no order: a cell without extent errs by 0, which may be divided by a tolerance of 0.
+        static float ordered(float weight) { return weight >= 0 ? weight : 1.0f; }
         void ask(std::uint32_t page, float weight) {
             Asked& asked = asked_[page];
             if (asked.frame == frame_) {
@@ -212,19 +222,24 @@ class PageCache {
         std::shared_ptr<PageCache> cache_;
         std::vector<Asked> asked_;  ///< by page: the frame that it was asked for in, and where it is in `asking_`
         std::vector<WantedPage> asking_;
-        std::vector<std::byte> buffer_;  ///< where it loads itself
         std::uint32_t frame_ = 0;
     };
 
     /// Loads what frames have asked for, on this thread, until nothing is left that can be loaded now. Returns the
     /// number of pages.
     std::size_t load_wanted() {
-        std::vector<std::byte> buffer(std::size_t(pages_a_read_) * places_.page_bytes);
+        // The buffers that are counted are those of the threads, if there are any.
+        const std::uint32_t most = threads_wanted_ == 0 ? pages_a_read_ : 1;
+        std::vector<std::byte> buffer(buffer_bytes(most));
         std::unique_lock lock(mutex_);
         std::size_t count = 0;
         while (true) {
-            const std::vector<WantedPage> batch = next_batch();
-            if (batch.empty()) return count;
+            const std::vector<WantedPage> batch = next_batch(most);
+            if (batch.empty()) {
+                if (!is_wanted_page_loading()) return count;
+                changed_.wait(lock);
+                continue;
+            }
             const std::size_t loaded = load(batch, buffer, nullptr, lock);
             if (loaded == 0) return count;
             count += loaded;
@@ -242,13 +257,20 @@ class PageCache {
     };
     using Lock = std::unique_lock<std::mutex>;
 
+    /// Buffers take an eighth of the memory at most; where that is small, pages are read one by one.
     std::uint32_t pages_a_read() const {
-        return std::uint32_t(std::clamp<std::uint64_t>(merging_.largest_read / places_.page_bytes, 1, 64));
+        const std::uint64_t fit = options_.most_bytes / 8 / std::max(threads_wanted_, 1u) / places_.page_bytes;
+        return std::uint32_t(
+            std::clamp<std::uint64_t>(std::min(merging_.largest_read / places_.page_bytes, fit), 1, 64));
+    }
+    /// One page is read to where it will lie.
+    std::size_t buffer_bytes(std::uint32_t pages) const {
+        return pages > 1 ? std::size_t(pages) * places_.page_bytes : 0;
     }
     std::size_t bytes_of(std::uint64_t slot_count) const {
         const std::size_t tables = PageSlots::bytes(places_.page_count, slot_count) + places_.page_count * sizeof(State);
-        return tables + std::size_t(slot_count) * places_.page_bytes +
-               std::size_t(threads_wanted_) * pages_a_read_ * places_.page_bytes;
+        return tables + std::size_t(slot_count) * places_.page_bytes + sizeof(Line) +
+               std::max(threads_wanted_, 1u) * buffer_bytes(pages_a_read_);
     }
     std::uint32_t slots_within() const {
         const std::size_t fixed = bytes_of(0), one = bytes_of(1) - fixed;
@@ -262,14 +284,27 @@ class PageCache {
         return std::uint32_t(std::min<std::size_t>(fit, places_.page_count));
     }
 
+    std::span<std::byte> memory_of(std::uint32_t slot) {
+        return {memory_[0].bytes + std::size_t(slot) * places_.page_bytes, places_.page_bytes};
+    }
     bool may_load(std::uint32_t page) {
         if (states_[page] != State::idle || slots_.is_resident(page)) return false;
         const auto retry = retries_.find(page);
         return retry == retries_.end() || retry->second.at <= std::chrono::steady_clock::now();
     }
 
-    /// What is wanted most of all that can be loaded, and what lies near it in the file and is wanted too: one read.
-    std::vector<WantedPage> next_batch() {
+    /// What has failed is read alone: a bad sector must not keep its neighbors away.
+    bool may_merge(std::uint32_t page) { return may_load(page) && !retries_.contains(page); }
+    bool is_wanted_page_loading() const {
+        return std::any_of(users_.begin(), users_.end(), [&](const User* u) {
+            return std::any_of(u->wanted.begin(), u->wanted.end(),
+                               [&](const WantedPage& w) { return states_[w.page] == State::loading; });
+        });
+    }
+
+    /// What is wanted most of all that can be loaded, and what lies near it in the file and is wanted too: one read of
+    /// `most_pages`.
+    std::vector<WantedPage> next_batch(std::uint32_t most_pages) {
         if (is_changed_) return {};
         User* most = nullptr;
         for (User* u : users_) {
@@ -284,7 +319,7 @@ class PageCache {
         if (most == nullptr) return {};
         std::vector<WantedPage> batch{most->wanted[most->next]};
         const auto gap = std::uint32_t(merging_.largest_gap / places_.page_bytes) + 1;
-        if (pages_a_read_ > 1) {
+        if (most_pages > 1 && !retries_.contains(batch[0].page)) {
             std::vector<WantedPage> others(most->wanted.begin() + std::ptrdiff_t(most->next) + 1, most->wanted.end());
             std::sort(others.begin(), others.end(),
                       [](const WantedPage& a, const WantedPage& b) { return a.page < b.page; });
@@ -292,16 +327,16 @@ class PageCache {
             const auto above =
                 std::upper_bound(others.begin(), others.end(), batch[0],
                                  [](const WantedPage& a, const WantedPage& b) { return a.page < b.page; });
-            for (auto i = above; i != others.end() && i->page - last <= gap && i->page - first < pages_a_read_; ++i) {
-                if (!may_load(i->page)) continue;
+            for (auto i = above; i != others.end() && i->page - last <= gap && i->page - first < most_pages; ++i) {
+                if (!may_merge(i->page)) continue;
                 batch.push_back(*i);
                 last = i->page;
             }
             for (auto i = above; i != others.begin();) {
                 --i;
                 if (i->page == first) continue;
-                if (first - i->page > gap || last - i->page >= pages_a_read_) break;
-                if (!may_load(i->page)) continue;
+                if (first - i->page > gap || last - i->page >= most_pages) break;
+                if (!may_merge(i->page)) continue;
                 batch.push_back(*i);
                 first = i->page;
             }
@@ -329,16 +364,19 @@ class PageCache {
             last = std::max(last, w.page);
         }
         if (loading.empty()) return 0;
-        const auto bytes = std::span(buffer).first(std::size_t(last - first + 1) * places_.page_bytes);
+        const bool is_alone = first == last;
+        const auto bytes = is_alone ? memory_of(loading[0].slot)
+                                    : std::span(buffer).first(std::size_t(last - first + 1) * places_.page_bytes);
         lock.unlock();
         const ReadResult result = read_(places_.first_page + std::uint64_t(first) * places_.page_bytes, bytes);
         for (Loading& l : loading) {
             if (result.status != ReadStatus::done) break;
-            const std::uint64_t begin = std::uint64_t(l.slot) * places_.page_bytes;
-            const std::span<std::byte> page(memory_[0].bytes + begin, places_.page_bytes);
-            std::memcpy(page.data(), bytes.data() + std::size_t(l.wanted.page - first) * places_.page_bytes,
-                        page.size());
-            l.fault = prepare_(page, l.wanted.page, begin);
+            const std::span<std::byte> page = memory_of(l.slot);
+            if (!is_alone) {
+                std::memcpy(page.data(), bytes.data() + std::size_t(l.wanted.page - first) * places_.page_bytes,
+                            page.size());
+            }
+            l.fault = prepare_(page, l.wanted.page, std::uint64_t(l.slot) * places_.page_bytes);
         }
         lock.lock();
         ++stats_.reads;
@@ -355,34 +393,36 @@ class PageCache {
                 continue;
             }
             slots_.give_back(l.slot);
-            failed(page, result, l.fault);
+            failed(page, result, l.fault, is_alone);
         }
         changed_.notify_all();
         return loaded;
     }
-    void failed(std::uint32_t page, const ReadResult& result, const char* fault) {
+    void failed(std::uint32_t page, const ReadResult& result, const char* fault, bool was_alone) {
         ++stats_.failures;
-        stats_.last_failure =
-            fault != nullptr ? where_ + ": page " + std::to_string(page) + ": " + fault : result.message;
+        if (!is_changed_) {
+            stats_.last_failure =
+                fault != nullptr ? where_ + ": page " + std::to_string(page) + ": " + fault : result.message;
+        }
         if (result.status == ReadStatus::changed) is_changed_ = true;
-        if (result.status == ReadStatus::refused) states_[page] = State::refused;
+        if (result.status == ReadStatus::refused && was_alone) states_[page] = State::refused;
         Retry& retry = retries_[page];
         retry.wait = retry.wait.count() == 0 ? options_.first_retry : std::min(2 * retry.wait, options_.longest_retry);
         retry.at = std::chrono::steady_clock::now() + retry.wait;
     }
 
     void load_now(const WantedPage& wanted, User& user) {
-        user.buffer_.resize(places_.page_bytes);
+        std::vector<std::byte> no_buffer;
         Lock lock(mutex_);
         while (states_[wanted.page] == State::loading) changed_.wait(lock);
-        if (may_load(wanted.page) && !is_changed_) load({wanted}, user.buffer_, &user.visits, lock);
+        if (may_load(wanted.page) && !is_changed_) load({wanted}, no_buffer, &user.visits, lock);
     }
 
     void load_in_background() {
-        std::vector<std::byte> buffer(std::size_t(pages_a_read_) * places_.page_bytes);
+        std::vector<std::byte> buffer(buffer_bytes(pages_a_read_));
         Lock lock(mutex_);
         while (!stops_) {
-            const std::vector<WantedPage> batch = next_batch();
+            const std::vector<WantedPage> batch = next_batch(pages_a_read_);
             if (!batch.empty() && load(batch, buffer, nullptr, lock) != 0) continue;
             // Something new is wanted, a frame has ended, or it is time to try again.
             changed_.wait_for(lock, options_.first_retry);
@@ -394,6 +434,7 @@ class PageCache {
     ReadMerging merging_;
     Read read_;
     Prepare prepare_;
+    Cancel cancel_;
     PageCacheOptions options_;
     unsigned threads_wanted_;
     std::uint32_t pages_a_read_;

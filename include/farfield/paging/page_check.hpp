@@ -23,6 +23,15 @@ struct PageExpected {
     std::uint64_t fingerprint = 0;
 };
 
+/// Whether each of a node's children has a stand-in, without those that do not exist.
+inline std::uint32_t stand_ins_by_rank(const Node& node) {
+    std::uint32_t bits = 0, rank = 0;
+    for (unsigned child = 0; child < 8; ++child) {
+        if ((node.child_mask >> child & 1) != 0) bits |= std::uint32_t(node.stand_in_mask >> child & 1) << rank++;
+    }
+    return bits;
+}
+
 /// The nodes of a page are a forest, numbered in one way only: walking unit by unit, depth first, meets blocks of
 /// siblings, stand-ins and items in turn, so there is neither a circle nor a node with two parents. Portals lead to
 /// later units, so there is none through these either.
@@ -30,6 +39,7 @@ inline const char* unsound_page_nodes(std::span<const Node> nodes, const PageHea
                                       const PageExpected& expected) {
     struct Siblings {
         std::uint32_t next, end;
+        std::uint32_t stand_ins;  ///< one bit for each, the next one's first
     };
     std::vector<Siblings> path;
     std::uint32_t next_node = header.unit_count + 1, next_stand_in = 0, item = 0;
@@ -38,19 +48,23 @@ inline const char* unsound_page_nodes(std::span<const Node> nodes, const PageHea
         if (nodes[unit].first_item != item) return "a unit's items are out of order";
         const std::uint32_t end_item = nodes[unit + 1].first_item;
         if (end_item > header.item_count) return "a unit's items do not exist";
-        path.assign(1, {unit, unit + 1});
+        path.assign(1, {unit, unit + 1, 0});
         while (!path.empty()) {
             if (path.back().next == path.back().end) {
                 path.pop_back();
                 continue;
             }
             const Node& n = nodes[path.back().next++];
+            const bool has_stand_in = (path.back().stand_ins & 1) != 0;
+            path.back().stand_ins >>= 1;
             if (n.first_item < item || n.first_item > end_item) return "a node's items are out of order";
             item = n.first_item;
             if (n.levels_replaced > 1) return "a stand-in replaces more than one level";
             if ((n.stand_in_mask & ~n.child_mask) != 0) return "a stand-in belongs to a child that does not exist";
+            if (path.size() == 1 && is_portal(n)) return "a unit lies in another page";
+            // Whoever meets a portal looks at its stand-in.
+            if (path.size() != 1 && is_portal(n) != has_stand_in) return "nodes with stand-ins are not those elsewhere";
             if (is_portal(n)) {
-                if (path.size() == 1) return "a unit lies in another page";
                 if (n.first_child > expected.page_count - header.number) {
                     return "a node lies in a page that does not exist";
                 }
@@ -67,7 +81,7 @@ inline const char* unsound_page_nodes(std::span<const Node> nodes, const PageHea
             }
             next_stand_in += stand_ins;
             if (path.size() == most_levels_in_files) return "it has more than 1024 levels";
-            path.push_back({n.first_child, n.first_child + children});
+            path.push_back({n.first_child, n.first_child + children, stand_ins_by_rank(n)});
         }
         item = end_item;
     }

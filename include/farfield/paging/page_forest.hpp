@@ -54,8 +54,8 @@ class PageForest {
                 std::max(needed_bytes_, Records::layout_bytes(u.nodes + std::uint64_t(1), u.stand_ins, u.items));
         }
         page_bytes_ = page_bytes;
-        if (page_bytes == 0 && needed_bytes_ <= most_page_bytes) {
-            page_bytes_ = std::uint32_t(Records::page_bytes(std::max<std::uint64_t>(wanted_bytes, 1), needed_bytes_));
+        if (page_bytes == 0 && needed_bytes_ <= Records::most_bytes) {
+            page_bytes_ = std::uint32_t(Records::page_bytes(wanted_bytes, needed_bytes_));
         }
         if (fits()) place_units();
     }

@@ -183,10 +183,18 @@ struct PageRecords {
     static constexpr std::uint64_t layout_bytes(std::uint64_t nodes, std::uint64_t stand_ins, std::uint64_t items) {
         return layout(nodes, stand_ins, items).end;
     }
-    /// The size of pages nearest to what is wanted, and no smaller than what one unit needs.
+    /// That a page may have.
+    static constexpr std::uint64_t most_bytes = most_page_bytes / common_multiple * common_multiple;
+    /// Whatever lies in memory before this has an index of 32 bits.
+    static constexpr std::uint64_t most_bytes_in_memory =
+        0xffffffffu * std::min({std::uint64_t(sizeof(Node)), std::uint64_t(sizeof(P)),
+                                std::uint64_t(stand_in_bytes ? stand_in_bytes : sizeof(Node))});
+    /// The size of pages nearest to what is wanted, and no smaller than what one unit needs, which is at most
+    /// most_bytes.
     static constexpr std::uint64_t page_bytes(std::uint64_t wanted, std::uint64_t needed) {
-        const std::uint64_t below = wanted / common_multiple * common_multiple;
-        return below >= needed && below != 0 ? below : least_multiple_of(common_multiple, needed);
+        const std::uint64_t below = std::min(wanted, most_bytes) / common_multiple * common_multiple;
+        return below >= needed && below != 0 ? below
+                                             : least_multiple_of(common_multiple, std::max(needed, common_multiple));
     }
 };
 

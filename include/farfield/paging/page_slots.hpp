@@ -44,7 +44,8 @@ class PageSlots {
     }
     std::uint32_t page_count() const { return page_count_; }
     std::uint32_t slot_count() const { return slot_count_; }
-    std::uint32_t used_slots() const { return slot_count_ - std::uint32_t(free_.size()); }
+    /// Pages that are there.
+    std::uint32_t resident() const { return resident_; }
 
     // Called by frames.
 
@@ -63,8 +64,11 @@ class PageSlots {
         const std::uint32_t slot = pages_[page].slot.load(std::memory_order_seq_cst);
         if (slot != none) {
             const std::uint64_t use = std::uint64_t(frame) << 32 | std::bit_cast<std::uint32_t>(weight);
-            auto& last = slots_[slot].last_use;
-            if (last.load(std::memory_order_relaxed) < use) last.store(use, std::memory_order_relaxed);
+            // Never back: a frame that waits takes what it has not used itself, and must not take what it has.
+            auto& last_use = slots_[slot].last_use;
+            std::uint64_t last = last_use.load(std::memory_order_relaxed);
+            while (last < use && !last_use.compare_exchange_weak(last, use, std::memory_order_relaxed)) {
+            }
         }
         return slot;
     }
@@ -93,6 +97,7 @@ class PageSlots {
         page.slot.store(none, std::memory_order_seq_cst);
         page.evicted_in = frames();
         ++evictions_;
+        --resident_;
         retired_.push_back({victim, epoch_.fetch_add(1, std::memory_order_seq_cst)});
         return take_retired(all, own);
     }
@@ -106,6 +111,7 @@ class PageSlots {
         const std::uint32_t now = frames();
         const bool again = p.evicted_in != 0 && now - p.evicted_in < frames_between_loads;
         reloads_ += again;
+        ++resident_;
         s.page = page;
         s.held_until = stays ? std::numeric_limits<std::uint32_t>::max() : again ? now + frames_between_loads : 0;
         s.last_use.store(std::uint64_t(now) << 32 | std::bit_cast<std::uint32_t>(weight), std::memory_order_relaxed);
@@ -194,6 +200,7 @@ class PageSlots {
     std::atomic<std::uint32_t> frames_{0};
     std::atomic<std::uint64_t> epoch_{1};
     std::uint64_t evictions_ = 0, reloads_ = 0;
+    std::uint32_t resident_ = 0;
 };
 
 }  // namespace farfield::detail

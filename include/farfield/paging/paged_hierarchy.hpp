@@ -109,6 +109,11 @@ class PagedHierarchy {
         }
     }
     void prefetch_data_of(std::uint32_t) const {}
+    /// The same wherever its page lies.
+    std::uint32_t name_of(std::uint32_t node) const {
+        const std::size_t at = std::size_t(node) * sizeof(Node), in_page = at % page_bytes();
+        return std::uint32_t(detail::mixed(header_at(at - in_page).number, std::uint64_t(in_page)));
+    }
 
     /// The root, which is always there: its own stand-in is not needed.
     Subtree whole() const {
@@ -158,6 +163,8 @@ class PagedHierarchy {
         std::shared_ptr<detail::PageCache> cache;
     };
     explicit PagedHierarchy(std::shared_ptr<const File> file) : file_(std::move(file)), user_(file_->cache) {}
+
+    bool has_root() const { return detail::portal_of(file_->header.root).unit < header_at(0).unit_count; }
 
     const std::byte* memory() const { return file_->cache->memory(); }
     template <class T>
@@ -213,7 +220,8 @@ std::string wrong_page_file(std::span<const std::byte> bytes, PageFileHeader& he
         return std::string("is damaged: ") + why;
     if (header.page_bytes == 0 || header.page_bytes > most_page_bytes ||
         header.page_bytes % Records::common_multiple != 0 || header.page_count == 0 ||
-        header.first_page % page_file_alignment != 0 || header.first_page > most_page_bytes ||
+        header.first_page % page_file_alignment != 0 || header.first_page < sizeof header ||
+        header.first_page > most_page_bytes ||
         header.file_bytes != header.first_page + std::uint64_t(header.page_count) * header.page_bytes ||
         !is_portal(header.root) || portal_of(header.root).page != 0) {
         return "is damaged: its pages cannot lie where it says";
@@ -238,7 +246,8 @@ bool holds_pages_of(S& source) {
 }
 
 /// Opens a file of pages from any source, which the result and its copies share; `where` names it in messages. H and P
-/// are what it was made of. Reads its header and first page. Throws std::runtime_error if anything is wrong with them;
+/// are what it was made of. Reads its header and first page. A source that can be canceled is when the last copy goes.
+/// Throws std::runtime_error if anything is wrong with them;
 /// std::invalid_argument if the options leave no room for two pages.
 template <Pageable H, PageablePrimitive P, PageSource S>
 PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string& where,
@@ -250,7 +259,9 @@ PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string&
     const auto read = [&](std::uint64_t offset, std::size_t size) {
         std::vector<std::byte> bytes(size);
         const ReadResult result = source->read(offset, bytes);
-        if (result.status != ReadStatus::done) refuse_if(result.message);
+        if (result.status != ReadStatus::done) {
+            refuse_if(result.message.empty() ? std::string("cannot be read") : result.message);
+        }
         return bytes;
     };
     auto file = std::make_shared<typename Paged::File>();
@@ -279,6 +290,9 @@ PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string&
     }
     if constexpr (A::facts.samples_primitives) file->approximation.samples_up_to_px = 0;
     const detail::PageExpected expected{0, header.page_count, header.facts.fingerprint};
+    PageCacheOptions possible = options;
+    possible.most_bytes =
+        std::size_t(std::min<std::uint64_t>(options.most_bytes, detail::PageRecords<H, P>::most_bytes_in_memory));
     file->cache = std::make_shared<detail::PageCache>(
         where, detail::PagePlaces{header.first_page, header.page_bytes, header.page_count}, source->merging(),
         [source](std::uint64_t offset, std::span<std::byte> bytes) { return source->read(offset, bytes); },
@@ -290,8 +304,13 @@ PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string&
             if (why == nullptr) detail::place_page<H, P>(page, begin);
             return why;
         },
-        options);
-    return Paged(std::shared_ptr<const typename Paged::File>(std::move(file)));
+        possible,
+        [source] {
+            if constexpr (CancellablePageSource<S>) source->cancel();
+        });
+    Paged pages(std::shared_ptr<const typename Paged::File>(std::move(file)));
+    if (!pages.has_root()) refuse_if("is damaged: its root does not exist");
+    return pages;
 }
 
 /// Opens a file.
