@@ -36,16 +36,13 @@ set(strict_flags
     -Wmissing-declarations
     -Wzero-as-null-pointer-constant
     -Wunused-macros)
-# GLM as engines force it: sparing with names at first, aligned and with intrinsics on the machine at hand then. One
-# program for what goes together; which of its flags is the culprit is for whoever breaks it to find out.
-list(
-  APPEND
-  strict_flags
-  -DGLM_FORCE_XYZW_ONLY
-  -DGLM_FORCE_EXPLICIT_CTOR
-  -DGLM_FORCE_SIZE_T_LENGTH
-  -DGLM_FORCE_LEFT_HANDED
-  -DGLM_FORCE_DEPTH_ZERO_TO_ONE)
+set(glm_forces_flags
+    -DGLM_FORCE_XYZW_ONLY
+    -DGLM_FORCE_EXPLICIT_CTOR
+    -DGLM_FORCE_SIZE_T_LENGTH
+    -DGLM_FORCE_LEFT_HANDED
+    -DGLM_FORCE_DEPTH_ZERO_TO_ONE)
+# Vectors that are aligned, on the machine at hand: one program for what goes together.
 set(native_flags
     -march=native
     -O1
