@@ -124,21 +124,23 @@ void check_all(const View& view, Random& random) {
     check_bands<ZBufferRenderer>("tensors, 4 samples", four, w.tensors, w.triangles, view, random);
     check_bands<ZBufferRenderer>("tensors, nothing small deposited", whole, w.tensors, w.triangles, view, random);
     check_bands<ZBufferRenderer>("tensors, read in place", in_place, w.tensors, w.triangles, view, random);
-    check_bands<ZBufferRenderer>("tensors, shared items", one, w.shared, w.triangles, view, random);
     check_bands<ZBufferRenderer>("tensors in instances", one, w.forest, w.placed, view, random);
     check_bands<ZBufferRenderer>("cubes", one, w.cubes, w.triangles, view, random);
-    check_bands<ZBufferRenderer>("clusters", four, w.clusters, w.triangles, view, random);
     check_bands<HierarchicalZRenderer>("hierarchical z, tensors", one, w.tensors, w.triangles, view, random);
     check_bands<HierarchicalZRenderer>("hierarchical z, cubes", four, w.cubes, w.triangles, view, random);
     check_bands<CoverageRenderer>("masks, tensors", masks, w.tensors, w.triangles, view, random);
     check_bands<CoverageRenderer>("masks, tensors by area", area, w.tensors, w.triangles, view, random);
     check_bands<CoverageRenderer>("masks, instances", masks, w.forest, w.placed, view, random);
+    check_bands<StrictCoverageRenderer>("strict masks", masks, w.bsp, w.few, view, random);
+    check_bands<PainterRenderer>("painter", PainterOptions{.light = light}, w.bsp, w.few, view, random);
+#if !defined(FARFIELD_FEW_VARIANTS)
+    check_bands<ZBufferRenderer>("tensors, shared items", one, w.shared, w.triangles, view, random);
+    check_bands<ZBufferRenderer>("clusters", four, w.clusters, w.triangles, view, random);
     check_bands<CoverageRenderer>("masks, cubes by area", area, w.cubes, w.triangles, view, random);
     check_bands<CoverageRenderer>("lazy masks, BSP", masks, w.bsp, w.few, view, random);
-    check_bands<StrictCoverageRenderer>("strict masks", masks, w.bsp, w.few, view, random);
     check_bands<BasicCoverageRenderer<Jittered>>("jittered masks", masks, w.bsp, w.few, view, random);
     check_bands<BasicCoverageRenderer<CosineHump>>("filtered masks", masks, w.tensors, w.triangles, view, random);
-    check_bands<PainterRenderer>("painter", PainterOptions{.light = light}, w.bsp, w.few, view, random);
+#endif
 }
 
 }  // namespace

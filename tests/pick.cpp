@@ -8,6 +8,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -21,6 +22,8 @@
 #include "farfield/approximation/sample_set.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/gap_bsp.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/partition/polygon_bsp.hpp"
@@ -28,6 +31,7 @@
 #include "farfield/primitive/triangle.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
+#include "paging/faulty_source.hpp"
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 #include "support/views.hpp"
@@ -270,4 +274,29 @@ TEST_CASE("there is nothing in nothing, and bad rays are refused") {
     CHECK_THROWS_WITH(pick(Hierarchy(), none, Ray{{0, nan, 0}, {0, 0, 1}}), refused);
     CHECK_THROWS_WITH(pick(Hierarchy(), none, Ray{{0, 0, 0}, {0, 0, 1}, nan}), refused);
     CHECK_THROWS_AS(pick(Hierarchy(), specks, Ray{}), std::invalid_argument);
+}
+
+TEST_CASE("What is picked in pages is what is picked in memory") {
+    using H = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
+    const Triangles scene = random_triangles(20000, 3);
+    const H h = build<H>(scene);
+    const std::vector<std::byte> bytes = paged<H, Triangle>(h, scene, {.page_bytes = 4096});
+    const auto source = std::make_shared<MemorySource>(bytes);
+    // Room for a part of the pages: those along a ray fit.
+    auto pages = open_pages_of<H, Triangle>(source, "memory", {.most_bytes = 2'000'000, .loads_in_background = false});
+    Random random(9);
+    int hits = 0;
+    for (int i = 0; i < 300; ++i) {
+        const glm::dvec3 from = glm::dvec3(random.direction()) * 3.0, to(random.in_cube(1));
+        const Ray ray{from, to - from};
+        const auto expected = pick(h, scene, ray);
+        const auto picked = pick(pages, ray);
+        REQUIRE(picked.has_value() == expected.has_value());
+        if (!expected) continue;
+        ++hits;
+        CHECK(picked->distance == expected->distance);
+        CHECK(picked->primitive.vertices == scene[expected->path[0]].vertices);
+    }
+    CHECK(hits > 100);
+    CHECK_FALSE(pages.waits_for_pages());
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "farfield/frame/frame_budget.hpp"
+#include "farfield/tuning/error_table_file.hpp"
 #include "farfield/tuning/measure_frame_prices.hpp"
 #include "farfield/view.hpp"
 #include "scenes/renderers/any_renderer.hpp"
@@ -22,6 +23,7 @@ struct BuildFacts {
     /// What is drawn comes in strict order, so that coverage masks need not compare depths.
     bool keeps_strict_order = false;
     std::uint64_t cells_over_piece_budget = 0;  ///< as BuildReport's
+    HierarchyIdentity identity;                 ///< of all hierarchies together, as tables of errors know them
 };
 
 /// Draws frames of a BuiltScene, which outlives it.

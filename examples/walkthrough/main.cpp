@@ -9,6 +9,7 @@
 
 #include "flight.hpp"
 #include "options.hpp"
+#include "pages.hpp"
 #include "report/picture.hpp"
 #include "result.hpp"
 #include "run.hpp"
@@ -16,17 +17,21 @@
 
 namespace {
 
+void make_writable(const std::filesystem::path& directory) {
+    std::error_code error;
+    std::filesystem::create_directories(directory, error);
+    if (error || !std::filesystem::is_directory(directory)) {
+        throw walkthrough::UsageError("cannot make the directory " + directory.string());
+    }
+    if (::access(directory.c_str(), W_OK | X_OK) != 0) {
+        throw walkthrough::UsageError("cannot write into the directory " + directory.string());
+    }
+}
+
 /// Before the long work, not after it.
 void check_writable(const walkthrough::Options& options) {
-    if (options.out_directory) {
-        std::error_code error;
-        std::filesystem::create_directories(*options.out_directory, error);
-        if (error || !std::filesystem::is_directory(*options.out_directory)) {
-            throw walkthrough::UsageError("cannot make the directory " + options.out_directory->string());
-        }
-        if (::access(options.out_directory->c_str(), W_OK | X_OK) != 0) {
-            throw walkthrough::UsageError("cannot write into the directory " + options.out_directory->string());
-        }
+    for (const auto& directory : {options.out_directory, options.table_directory}) {
+        if (directory) make_writable(*directory);
     }
     if (options.json_file && !std::ofstream(*options.json_file, std::ios::app)) {
         throw walkthrough::UsageError("cannot write " + options.json_file->string());
@@ -35,6 +40,12 @@ void check_writable(const walkthrough::Options& options) {
 
 void walk(const walkthrough::Options& options) {
     using namespace walkthrough;
+    if (is_paged(options.scene)) {
+        check_writable(options);
+        walk_pages(std::cout, options);
+        if (!std::cout.flush()) throw UsageError("cannot write to the standard output");
+        return;
+    }
     const Setting setting = make_setting(options.scene, options.up);
     check_writable(options);
     std::vector<Result> results;

@@ -153,6 +153,8 @@ void check_numbers(const Options& options) {
     if (options.distance && !(*options.distance > 0 && *options.distance <= 1e6)) {
         throw UsageError("--distance must be above 0 and at most 1000000 radii");
     }
+    if (options.cache_mib < 1 || options.cache_mib > (1u << 20))
+        throw UsageError("--cache must be from 1 to 1048576 MiB");
     if (!std::isfinite(options.angle_degrees)) throw UsageError("--angle must be a finite number of degrees");
     if (options.budget_ms) {
         if (!(*options.budget_ms > 0 && *options.budget_ms <= 1e6)) {
@@ -170,13 +172,14 @@ void check_numbers(const Options& options) {
 std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer) {
     Options options;
     std::string variant_names = "color-cube", renderer = "z-buffer", wanted_error = "point-sampling", up, size, out,
-                json;
+                json, tables;
     double budget_ms = 0, distance = 0;
     bool wants_list = false;
 
     CLI::App app("Draws a scene exactly and with far fields, and says what that costs and gains.", "walkthrough");
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("--scene", options.scene, "name of a generated scene, or a file")->type_name("NAME|FILE");
+    app.add_option("--scene", options.scene, "name of a generated scene, a file, or the address of a file of pages")
+        ->type_name("NAME|FILE|URL");
     const auto* const up_option =
         app.add_option("--up", up, "what is up in the file: x, y (if nothing is said), z, or one of them with -")
             ->type_name("AXIS");
@@ -209,8 +212,15 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         app.add_option("--budget-ms", budget_ms,
                        "time that a frame may take; it is drawn as well as that allows, to --tolerance at best")
             ->type_name("MS");
+    app.add_option("--cache", options.cache_mib,
+                   "MiB for pages, where the scene is a file of pages (FILE.farfield, or its http:// address)")
+        ->type_name("MIB");
     app.add_option("--out", out, "write pictures of up to 8 frames here")->type_name("DIR");
     app.add_option("--json", json, "write the table here")->type_name("FILE");
+    const auto* const tables_option =
+        app.add_option("--tables", tables,
+                       "read tables of errors here, that --error chooses from; measure and write those that are not")
+            ->type_name("DIR");
     app.add_flag("--list", wants_list, "show scenes, variants and renderers");
     try {
         app.parse(argc, argv);
@@ -250,6 +260,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     }
     if (!out.empty()) options.out_directory = out;
     if (!json.empty()) options.json_file = json;
+    if (tables_option->count() != 0) {
+        if (!options.error) throw UsageError("--tables keeps what --error chooses from: there is nothing to choose");
+        options.table_directory = tables;
+    }
     check_numbers(options);
     return options;
 }

@@ -1,6 +1,7 @@
 // What the command line says.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -34,8 +35,11 @@ struct Options {
     std::optional<farfield::WantedError> error = farfield::WantedError{};
     float tolerance_px = 1;
     std::optional<double> budget_ms;  ///< that a frame of a variant may take; exact's may take any
+    std::size_t cache_mib = 256;      ///< for pages, of scenes that are larger than memory
     std::optional<std::filesystem::path> out_directory;
     std::optional<std::filesystem::path> json_file;
+    /// Where tables of errors are kept that tolerances are chosen from; none: each run measures its own.
+    std::optional<std::filesystem::path> table_directory;
 };
 
 /// Nothing where the command line asked for help or a list, which is then in `answer`. Throws UsageError.

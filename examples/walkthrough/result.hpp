@@ -40,7 +40,8 @@ struct Choice {
 struct MeasuredErrors {
     farfield::ErrorTable by_tolerance;  ///< by the tolerance alone
     farfield::ErrorTable wanted;        ///< and by what is expected of each cell
-    double exact_ms = 0;                ///< mean of exact's frames
+    double exact_ms = 0;                ///< mean of exact's frames in this run
+    bool was_kept = false;              ///< measured by an earlier run, at least one of the two
 
     /// Of the two the one that costs less.
     Choice choice_for(farfield::WantedError error) const;

@@ -11,6 +11,7 @@
 #include "farfield/measure/image_error.hpp"
 #include "farfield/measure/projected_rect.hpp"
 #include "farfield/tuning/error_table.hpp"
+#include "farfield/tuning/error_table_file.hpp"
 #include "plain_loop.hpp"
 #include "report/picture.hpp"
 #include "report/progress.hpp"
@@ -235,15 +236,49 @@ class Run {
     void choose(SceneViewer& viewer, const Variant& variant, Result& result) {
         // Coarser ones are blocks that an eye tells apart, though a mean of squares forgives them.
         const farfield::ErrorTableOptions ladder{.tolerances_px = farfield::tolerance_ladder(0.5f, 4), .seconds = 0.1};
-        progress_.begin("choosing the tolerance of " + result.name,
-                        2 * int(references_.size() * (ladder.tolerances_px.size() + 1)));
-        Trials alone(*this, viewer, variant, false), wanted(*this, viewer, variant, true);
-        const auto measured = [&](Trials& trials) {
-            return farfield::measure_error_table(trials, references_.size(), ladder);
+        double exact_ms = mean_of_exact_frames();
+        bool was_kept = false;
+        const auto table = [&](bool asks_wanted) {
+            const auto file = table_file(result, asks_wanted);
+            if (file && std::filesystem::exists(*file)) {
+                was_kept = true;
+                return read_table(result.build.identity, *file);
+            }
+            progress_.begin("choosing the tolerance of " + result.name,
+                            int(references_.size() * (ladder.tolerances_px.size() + 1)));
+            Trials trials(*this, viewer, variant, asks_wanted);
+            farfield::ErrorTable measured = farfield::measure_error_table(trials, references_.size(), ladder);
+            exact_ms = std::min(exact_ms, trials.exact_ms());
+            if (file) farfield::write_error_table(measured, result.build.identity, *file);
+            return measured;
         };
-        result.measured = MeasuredErrors{measured(alone), measured(wanted)};
-        result.measured->exact_ms = std::min(alone.exact_ms(), wanted.exact_ms());
+        result.measured = MeasuredErrors{table(false), table(true)};
+        result.measured->exact_ms = exact_ms;
+        result.measured->was_kept = was_kept;
         result.choice = result.measured->choice_for(*options_.error);
+    }
+
+    /// A renderer and a number of samples have tables of their own. None where none are kept.
+    std::optional<std::filesystem::path> table_file(const Result& result, bool asks_wanted) const {
+        if (!options_.table_directory) return std::nullopt;
+        return *options_.table_directory /
+               (setting_.name + "_" + result.name + "_" + std::string(name_of(options_.renderer)) + "_" +
+                std::to_string(options_.samples) + (asks_wanted ? "_wanted" : "") + ".errors");
+    }
+
+    static farfield::ErrorTable read_table(const farfield::HierarchyIdentity& identity,
+                                           const std::filesystem::path& file) {
+        try {
+            return farfield::read_error_table(identity, file);
+        } catch (const std::runtime_error& error) {
+            throw UsageError(error.what());
+        }
+    }
+
+    double mean_of_exact_frames() const {
+        std::vector<double> ms;
+        for (const ExactFrame& frame : exact_frames_) ms.push_back(frame.ms);
+        return mean(ms);
     }
 
     /// None where nothing is compared with it, or for so many samples.

@@ -21,7 +21,7 @@ std::string number(double value, int decimals, const char* unit = "", bool with_
 }
 
 std::string tolerance(float px) {
-    std::string text = number(px, 2);
+    std::string text = number(double(px), 2);
     text.erase(text.find_last_not_of('0') + 1);
     if (text.back() == '.') text.pop_back();
     return text + " px";
@@ -140,6 +140,11 @@ void print_at_equal_error(std::ostream& out, const std::vector<Result>& results)
             << " triangles are drawn, and their time is multiplied";
     }
     out << ".\n";
+    for (const Result& r : results) {
+        if (r.measured && r.measured->was_kept) {
+            out << "What " << r.name << " errs by and costs was measured in an earlier run, over the frames of that.\n";
+        }
+    }
 }
 
 }  // namespace

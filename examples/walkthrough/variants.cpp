@@ -14,10 +14,10 @@ constexpr Variant table[] = {
     {"color-cube-1995", "octree of uniform depth, opaque faces, distance is depth (Chamberlain et al. 1995)",
      color_cube_1995, farfield::DistanceMeasure::depth},
     {"opacity-tensor", "adaptive octree, projected area in any direction, drawn by the area law", opacity_tensor},
+#ifndef FARFIELD_FIRST_LOOK
     {"sample-tree", "adaptive octree, samples of polygons, tensors for what they leave (Klein et al. 2002)",
      sample_tree},
     {"sample-tree-splats", "likewise, opaque splats in place of tensors, as in the paper", sample_tree_splats},
-#ifndef FARFIELD_FIRST_LOOK
     {"bsp", "binary space partition, strictly front to back (Fuchs et al. 1980, as Greene 1996 draws it)", bsp},
     {"octree-of-bsps", "octree of such partitions (Greene 1996, section 5.1)", octree_of_bsps},
     {"gap-bsp", "every triangle in the frustum, planes in gaps between things (Shade et al. 1996)", gap_bsp},

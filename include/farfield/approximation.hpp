@@ -200,6 +200,8 @@ struct SampledCell {
     std::uint32_t items = 0;        ///< in its subtree
     std::uint32_t fixed = 0;        ///< of these, items that never move: instances, and what has no area
     std::uint32_t sample_size = 0;  ///< items in its sample
+    /// Whether all that lay in it before anything moved lies in children that still hold something.
+    bool is_in_children = false;
 };
 
 /// Inner cells hold samples of what lies below them, so that a frame refines by adding (Klein et al. 2002). A build
@@ -242,6 +244,10 @@ struct ImageCacheOptions {
     /// Images may be made anew before they have to, in frames that make less than most do, by this part of their life:
     /// neighbors that were made in one frame would else run out in one. 0: none is.
     float most_early = 0.125f;
+    /// An image that is made anew takes the old one's place over so many frames, sample by sample, where the old one
+    /// was seen until now; meanwhile the old one may be displaced by twice the threshold, but not if is_conservative.
+    /// 0: at once.
+    std::uint32_t fade_frames = 0;
     /// How far the eye moves in a frame at most, in world units, and by how much that may grow from one frame to the
     /// next. With a speed above 0 images are made only if they pay whatever the viewer does within these bounds (Shade
     /// et al. 1996, section 3); 0: the last motion is taken to go on, or the path to be the one that the viewer was

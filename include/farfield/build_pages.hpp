@@ -21,6 +21,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <span>
 #include <stdexcept>
@@ -235,7 +236,7 @@ class PageBuilder {
         ShareRecord<A, P> known;
         std::error_code ignored;
         if (!known.read(journal.records()) || !std::filesystem::exists(files.scattered(), ignored) ||
-            !std::filesystem::exists(files.pages(), ignored)) {
+            !has_pages(known, files)) {
             files.remove_all();
             known = {};
             known.own_items = scatter(stream, tree, files, begin, end);
@@ -245,7 +246,9 @@ class PageBuilder {
                 if (!top.fits()) return top.needed_bytes();
                 plan_.top_pages = top.page_count();
             }
-            FileInPlace(files.pages(), /*is_new=*/true).sync();
+            // Primitives have no checksums: whatever a journal tells of them has to be there.
+            FileInPlace(files.scattered(), /*is_new=*/false).sync();
+            FileInPlace(files.pages(), /*is_new=*/true);
             journal.append(ShareRecord<A, P>::plan_record(plan_, tree.nodes(), known.own_items));
         } else {
             plan_ = known.plan;
@@ -271,13 +274,36 @@ class PageBuilder {
                 pages.write_at(offset_of(plan_.top_pages + page_count), bytes);
                 for (Part& part : built[i].parts) part.root.page += page_count;
                 page_count += more;
-                pages.sync();
                 journal.append(ShareRecord<A, P>::group_record(more, built[i].parts));
             }
             control_.report(BuildPhase::building, std::size_t(first_item[g + count - begin]),
                             std::size_t(first_item.back()));
         }
         return 0;
+    }
+
+    /// Whether all pages are there that a share tells of, and whole.
+    bool has_pages(const ShareRecord<A, P>& share, const ShareFiles& files) {
+        std::error_code error;
+        plan_.page_bytes = share.plan.page_bytes;
+        if (plan_.page_bytes < sizeof(PageHeader) || !std::filesystem::exists(files.pages(), error)) return false;
+        if (share.pages == 0) return true;
+        if (std::filesystem::file_size(files.pages(), error) <
+            offset_of(std::uint64_t(share.plan.top_pages) + share.pages)) {
+            return false;
+        }
+        FileInPlace in(files.pages(), /*is_new=*/false);
+        std::vector<std::byte> page(plan_.page_bytes);
+        for (std::uint32_t p = 0; p < share.pages; ++p) {
+            in.read_at(offset_of(share.plan.top_pages + std::uint64_t(p)), page);
+            PageHeader header;
+            std::memcpy(&header, page.data(), sizeof header);
+            if (header.number != share.plan.top_pages + p || header.used_bytes > page.size() ||
+                header.used_bytes < sizeof header || header.checksum != checksum_of_page(page, header.used_bytes)) {
+                return false;
+            }
+        }
+        return true;
     }
 
     std::uint64_t first_page() const {
@@ -371,7 +397,7 @@ class PageBuilder {
             hierarchies.emplace_back(b.partition, b.approximation, b.cost_model,
                                      HierarchyBuilder<H, P, Sampler>(of_part, b.partition, b.approximation,
                                                                      b.cost_model, b.sampler, budget, control)
-                                         .build_part(out.parts[i].draft));
+                                         .build_part(&out.parts[i].draft));
             trees.push_back({&hierarchies.back(), of_part});
         }
         PageForest<H, P> forest(trees, plan_.page_bytes, plan_.page_bytes);

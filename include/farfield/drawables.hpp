@@ -113,7 +113,20 @@ struct ImageSlice {
 struct ImageQuad {
     std::uint32_t image = 0;  ///< what end_image returned
     glm::vec3 corner{0}, across{0}, down{0};
+    /// Drawn into this part of all samples and into no others, so that of two images one gives way to the other and
+    /// nothing shows through both: into samples whose fade_order(), in 64ths, lies in [first_part, end_part).
+    float first_part = 0, end_part = 1;
 };
+
+/// An order in which an image appears, evenly all over the picture, a number below 64 for a sample of the whole
+/// picture: B. Bayer, "An optimum method for two-level rendition of continuous-tone pictures", ICC 1973.
+constexpr int fade_order(int x, int y) {
+    int order = 0;
+    for (int bit = 0; bit < 3; ++bit) {
+        order |= ((((x ^ y) >> bit & 1) << 1) | (y >> bit & 1)) << (2 * (2 - bit));
+    }
+    return order;
+}
 
 /// Calls sink(Polygon) with a face, its color no longer premultiplied; not where nothing would be seen of it.
 template <class Sink>

@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -61,12 +62,13 @@ class Picking {
     /// made shorter as its contents are made larger.
     template <class H, class P>
     void search(const H& hierarchy, std::span<const P> primitives, Ray ray) {
-        if (primitives.size() != hierarchy.primitive_count()) {
+        if (!PagedAtRunTime<H> && primitives.size() != hierarchy.primitive_count()) {
             fail<std::invalid_argument>(
                 "farfield::pick: a hierarchy is given more or fewer primitives than it was "
                 "built from");
         }
         ray.origin -= hierarchy.origin();
+        if (hierarchy.item_count() == 0) return;
         const Visit<H, P> visit{{primitives, hierarchy.order(), hierarchy.item_count(), hierarchy.origin()},
                                 hierarchy,
                                 RayMeeter(ray),
@@ -79,6 +81,10 @@ class Picking {
         if (nearest_.path.empty()) return std::nullopt;
         return std::move(nearest_);
     }
+    /// Where pages that lie along the ray are missing.
+    bool is_incomplete() const { return is_incomplete_; }
+    /// The position of what was found, in the hierarchy itself.
+    std::uint32_t position() const { return nearest_position_; }
 
   private:
     template <class H, class P>
@@ -98,7 +104,15 @@ class Picking {
     }
 
     template <class V>
-    void descend(const V& v, const Subtree& subtree) {
+    void descend(const V& v, const Subtree& found) {
+        Subtree subtree = found;
+        if constexpr (PagedAtRunTime<std::remove_cvref_t<decltype(v.hierarchy)>>) {
+            // Nothing in a page counts more than what a ray has come to.
+            if (v.hierarchy.is_portal(v.hierarchy.nodes()[subtree.node]) && !v.hierarchy.follow(subtree, 0x1p60f)) {
+                is_incomplete_ = true;
+                return;
+            }
+        }
         const Node& node = v.hierarchy.nodes()[subtree.node];
         const std::uint32_t end = end_of_own_run(v.hierarchy, subtree);
         for (std::uint32_t position = node.first_item; position < end; ++position) {
@@ -151,9 +165,15 @@ class Picking {
                 });
             });
             if (nearest == missed) return;
-            path_.push_back(index_at(v, position));
+            const std::size_t depth = path_.size();
+            position_ = position;
+            if constexpr (PagedAtRunTime<std::remove_cvref_t<decltype(v.hierarchy)>>) {
+                for (const std::uint32_t part : v.hierarchy.place_in_file(position)) path_.push_back(part);
+            } else {
+                path_.push_back(index_at(v, position));
+            }
             keep_nearer(primitive, nearest, node);
-            path_.pop_back();
+            path_.resize(depth);
         }
     }
 
@@ -167,12 +187,16 @@ class Picking {
         candidate_.distance = distance;
         candidate_.path.assign(path_.begin(), path_.end());
         candidate_.node = node;
-        if (accept_(primitive, std::as_const(candidate_))) std::swap(nearest_, candidate_);
+        if (!accept_(primitive, std::as_const(candidate_))) return;
+        std::swap(nearest_, candidate_);
+        nearest_position_ = position_;
     }
 
     Accept& accept_;
     std::vector<std::uint32_t> path_;
     PickedPrimitive nearest_, candidate_;
+    std::uint32_t position_ = 0, nearest_position_ = 0;
+    bool is_incomplete_ = false;
 };
 
 }  // namespace detail
@@ -216,6 +240,45 @@ template <class H, class P, class Accept = detail::AcceptAll>
 std::optional<PickedPrimitive> pick(const H& hierarchy, const std::vector<P>& primitives, const View& view,
                                     glm::dvec2 pixel, Accept accept = {}) {
     return pick(hierarchy, std::span<const P>(primitives), view, pixel, std::move(accept));
+}
+
+/// What was picked in pages, which know no indices.
+template <class P>
+struct PickedFromPages {
+    double distance = 0;  ///< Ray::at(distance) is the point that was hit
+    P primitive;
+    std::uint32_t page = 0, item = 0;  ///< where it lies in the file
+};
+
+/// The first primitive along a ray through a hierarchy that lies in pages, as above; pages along the ray are loaded,
+/// and waited for. Of those at one distance the first in the file is found. `pages` is a copy of the caller's own,
+/// which draws no frame meanwhile. Throws std::runtime_error, with the reason, if a page that lies along the ray cannot
+/// be had: nothing is known then.
+template <PagedAtRunTime H, class Accept = detail::AcceptAll>
+std::optional<PickedFromPages<typename H::primitive_type>> pick(H& pages, const Ray& ray, Accept accept = {}) {
+    if (!ray.is_valid()) {
+        detail::fail<std::invalid_argument>("farfield::pick: a ray needs an origin and a direction that are finite");
+    }
+    detail::Picking<Accept> picking(accept);
+    std::optional<PickedFromPages<typename H::primitive_type>> out;
+    {
+        const WaitingFrame<H> frame(pages);
+        picking.search(pages, pages.primitives(), ray);
+        if (const auto found = picking.found()) {
+            out = {found->distance, pages.primitives()[picking.position()], found->path[0], found->path[1]};
+        }
+    }
+    if (picking.is_incomplete()) {
+        const std::string why = pages.cache_stats().last_failure;
+        detail::fail<std::runtime_error>("farfield::pick: a page on the way is missing: " +
+                                         (why.empty() ? "the cache has no room for all that lie along the ray" : why));
+    }
+    return out;
+}
+template <PagedAtRunTime H, class Accept = detail::AcceptAll>
+std::optional<PickedFromPages<typename H::primitive_type>> pick(H& pages, const View& view, glm::dvec2 pixel,
+                                                                Accept accept = {}) {
+    return pick(pages, ray_through(view, pixel), std::move(accept));
 }
 
 }  // namespace farfield

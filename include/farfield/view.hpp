@@ -39,7 +39,7 @@ struct View {
     float tolerance_jitter = 0;
     /// 0 to 1: where a stand-in's error is within this part of its tolerance, what replaces it is drawn as well, both
     /// fainter, so that one becomes the other over a range of distances. Primitives are not drawn faintly: they come
-    /// and go in the middle. 0: stand-ins are drawn, or not.
+    /// and go one by one. 0: stand-ins are drawn, or not.
     float fade = 0;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     /// Set by tile(): the camera then shows the larger picture, and this is a part of it.

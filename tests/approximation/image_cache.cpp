@@ -25,6 +25,7 @@
 #include "farfield/storage/open.hpp"
 #include "farfield/storage/save.hpp"
 #include "farfield/viewer.hpp"
+#include "support/image_walk.hpp"
 #include "support/recorder.hpp"
 #include "support/scenes.hpp"
 
@@ -32,80 +33,6 @@ using namespace farfield;
 using namespace farfield::test;
 
 namespace {
-
-using Cached = SpatialHierarchy<Octree, ImageCache<Exact>, MeasuredTime>;
-using Plain = SpatialHierarchy<Octree, Exact, MeasuredTime>;
-
-ImageCache<Exact> with(const ImageCacheOptions& options) {
-    ImageCache<Exact> a;
-    a.image_options = options;
-    return a;
-}
-
-/// With these, whatever may be an image is one.
-MeasuredTime free_images() {
-    MeasuredTime prices;
-    prices.image = prices.texel = prices.made_image = prices.made_texel = 0;
-    return prices;
-}
-
-/// Two dozen balls of triangles, strewn about the z axis from -30 to -80.
-const Triangles& balls() {
-    static const Triangles all = [] {
-        Triangles out;
-        for (std::uint64_t i = 0; i < 24; ++i) {
-            Triangles ball = random_triangles(600, i + 1, 0.15f);
-            const glm::vec3 at(float(int(i * 7 % 11) - 5) * 4, float(int(i * 5 % 7) - 3) * 3, -30.0f - 2.1f * float(i));
-            for (Triangle& t : ball) {
-                for (glm::vec3& v : t.vertices) v += at;
-                out.push_back(t);
-            }
-        }
-        return out;
-    }();
-    return all;
-}
-
-View looking(glm::dvec3 eye, glm::dvec3 target = {0, 0, -50}) {
-    View view;
-    view.width = 160;
-    view.height = 120;
-    view.camera = Camera::perspective(eye, target, {0, 1, 0}, 0.7f);
-    return view;
-}
-
-/// Root mean square, of colors in [0, 255].
-double difference(const Image& a, const Image& b) {
-    REQUIRE(a.pixels().size() == b.pixels().size());
-    double sum = 0;
-    for (std::size_t i = 0; i < a.pixels().size(); ++i) {
-        const Rgba8 p = a.pixels()[i], q = b.pixels()[i];
-        for (const int d : {p.r - q.r, p.g - q.g, p.b - q.b, p.a - q.a}) sum += double(d * d);
-    }
-    return std::sqrt(sum / (4 * double(a.pixels().size())));
-}
-
-template <class R = ZBufferRenderer>
-struct Walk {
-    Cached hierarchy;
-    Plain plain = build<Plain>(balls());
-    R renderer{ZBufferOptions{.background = {90, 120, 160, 255}}};
-    R plain_renderer{ZBufferOptions{.background = {90, 120, 160, 255}}};
-    Viewer<Cached, Triangle, R> viewer;
-    Viewer<Plain, Triangle, R> plain_viewer;
-
-    explicit Walk(const ImageCacheOptions& options = {.least_items = 64}, const MeasuredTime& prices = {})
-        : hierarchy(build<Cached>(balls(), {.approximation = with(options), .cost_model = prices})),
-          viewer(hierarchy, balls(), renderer),
-          plain_viewer(plain, balls(), plain_renderer) {}
-
-    FrameStats frame(const View& view) { return viewer.frame(view); }
-    const Image& image() const { return renderer.image(); }
-    const Image& exact(const View& view) {
-        plain_viewer.frame(view);
-        return plain_renderer.image();
-    }
-};
 
 /// As a ZBufferRenderer, but for images, of which it makes none, or none after so many.
 class FailingRenderer {
@@ -178,27 +105,27 @@ class ThrowingRenderer : public ZBufferRenderer {
 }  // namespace
 
 TEST_CASE("a hierarchy that caches images wants a renderer that keeps them", "[image_cache]") {
-    STATIC_REQUIRE(DrawableWith<Cached, Triangle, ZBufferRenderer>);
-    STATIC_REQUIRE(DrawableWith<Cached, Triangle, HierarchicalZRenderer>);
+    STATIC_REQUIRE(DrawableWith<CachedImages, Triangle, ZBufferRenderer>);
+    STATIC_REQUIRE(DrawableWith<CachedImages, Triangle, HierarchicalZRenderer>);
     using Forgetful = BasicRecorder<RendererFacts{.keeps_sources = true}>;
-    STATIC_REQUIRE(!DrawableWith<Cached, Triangle, Forgetful>);
+    STATIC_REQUIRE(!DrawableWith<CachedImages, Triangle, Forgetful>);
     STATIC_REQUIRE(DrawableWith<Plain, Triangle, Forgetful>);
     // What paints, or clips to coverage masks, has no depths to put an image among.
-    STATIC_REQUIRE(!DrawableWith<Cached, Triangle, PainterRenderer>);
-    STATIC_REQUIRE(!DrawableWith<Cached, Triangle, CoverageRenderer>);
+    STATIC_REQUIRE(!DrawableWith<CachedImages, Triangle, PainterRenderer>);
+    STATIC_REQUIRE(!DrawableWith<CachedImages, Triangle, CoverageRenderer>);
 }
 
 TEST_CASE("image caches whose options make no sense are refused by name", "[image_cache]") {
-    CHECK_THROWS_WITH(build<Cached>(balls(), {.approximation = with({.slices = 9})}),
+    CHECK_THROWS_WITH(build<CachedImages>(balls(), {.approximation = with({.slices = 9})}),
                       Catch::Matchers::Contains("ImageCache: slices must be 1 to 8"));
-    CHECK_THROWS_WITH(build<Cached>(balls(), {.approximation = with({.threshold_px = -1})}),
+    CHECK_THROWS_WITH(build<CachedImages>(balls(), {.approximation = with({.threshold_px = -1})}),
                       Catch::Matchers::Contains("threshold_px"));
 }
 
 TEMPLATE_TEST_CASE("standing still makes images once, and no pixel changes", "[image_cache]", ZBufferRenderer,
                    HierarchicalZRenderer) {
     Walk<TestType> walk({.least_items = 64, .most_overhead = 4});  // the first frame may make all of them
-    const View view = looking({0, 0, 0});
+    const View view = seen_from({0, 0, 0});
     const FrameStats first = walk.frame(view);
     CHECK(first.images_made > 0);
     CHECK(first.images >= first.images_made);
@@ -217,8 +144,8 @@ TEST_CASE("whatever a frame may make, a viewer that stands still soon makes no m
     for (const float overhead : {0.0f, 0.02f, 0.25f}) {
         for (const float making : {2e5f, 1e9f}) {
             Walk<> walk({.least_items = 64, .most_making = making, .most_overhead = overhead});
-            const View view = looking({0.1, 0, 0});
-            walk.frame(looking({0, 0, 0}));
+            const View view = seen_from({0.1, 0, 0});
+            walk.frame(seen_from({0, 0, 0}));
             for (int i = 0; i < 30; ++i) walk.frame(view);
             const Image image = walk.image();
             for (int i = 0; i < 5; ++i) {
@@ -236,7 +163,7 @@ TEST_CASE("renewals are spread over frames, and cost little", "[image_cache]") {
         Walk<> walk({.least_items = 64, .most_overhead = 4, .most_early = early ? 0.25f : 0.0f}, free_images());
         for (int f = 0; f < 300; ++f) {
             const double x = 0.06 * f - 9;
-            const std::uint64_t made = walk.frame(looking({x, 0, 0}, {x, 0, -50})).images_made;
+            const std::uint64_t made = walk.frame(seen_from({x, 0, 0}, {x, 0, -50})).images_made;
             if (f == 0) continue;
             total[early] += made;
             most[early] = std::max(most[early], made);
@@ -257,43 +184,43 @@ TEST_CASE("images outlive frames while the viewer moves", "[image_cache]") {
     double worst = 0, moved = 0;
     Image last;
     for (int f = 0; f < 60; ++f) {
-        const View view = looking({0.02 * f, 0.01 * f, -0.02 * f});
+        const View view = seen_from({0.02 * f, 0.01 * f, -0.02 * f});
         const FrameStats stats = walk.frame(view);
         made += stats.images_made;
         drawn += stats.images;
         worst = std::max(worst, difference(walk.image(), walk.exact(view)));
         if (f == 0) last = walk.exact(view);
     }
-    moved = difference(last, walk.exact(looking({0.02 * 59, 0.01 * 59, -0.02 * 59})));
+    moved = difference(last, walk.exact(seen_from({0.02 * 59, 0.01 * 59, -0.02 * 59})));
     CHECK(drawn > 4 * made);
     CHECK(worst < moved);  // so images do follow the viewer
 }
 
 TEST_CASE("a viewer that circles on the edge of a safety zone makes few images", "[image_cache]") {
     Walk<> walk;
-    walk.frame(looking({0, 0, 0}));
-    const std::uint64_t cells = walk.frame(looking({0, 0, 0})).images;
+    walk.frame(seen_from({0, 0, 0}));
+    const std::uint64_t cells = walk.frame(seen_from({0, 0, 0})).images;
     std::uint64_t made = 0;
     for (int f = 0; f < 200; ++f) {
         const double a = 0.4 * f;
         // One image after another fails on the circle; a new one serves all around, or the old one again.
-        made += walk.frame(looking({0.5 * std::cos(a), 0.5 * std::sin(a), 0})).images_made;
+        made += walk.frame(seen_from({0.5 * std::cos(a), 0.5 * std::sin(a), 0})).images_made;
     }
     CHECK(made <= 200 * cells / 8);
 }
 
 TEST_CASE("a jump, another field of view and another size draw what is there", "[image_cache]") {
     Walk<> walk;
-    for (int f = 0; f < 3; ++f) walk.frame(looking({0, 0, 0}));
+    for (int f = 0; f < 3; ++f) walk.frame(seen_from({0, 0, 0}));
     const auto settles = [&](const View& view) {
         for (int f = 0; f < 3; ++f) walk.frame(view);
         CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
     };
     SECTION("jump") {
-        settles(looking({60, 20, -50}));
+        settles(seen_from({60, 20, -50}));
     }
     SECTION("field of view") {
-        View view = looking({0, 0, 0});
+        View view = seen_from({0, 0, 0});
         view.camera = Camera::perspective({0, 0, 0}, {0, 0, -50}, {0, 1, 0}, 0.25f);
         const FrameStats stats = walk.frame(view);
         CHECK(difference(walk.image(), walk.exact(view)) < 1.0);  // no texel is magnified
@@ -301,7 +228,7 @@ TEST_CASE("a jump, another field of view and another size draw what is there", "
         settles(view);
     }
     SECTION("resolution") {
-        View view = looking({0, 0, 0});
+        View view = seen_from({0, 0, 0});
         view.width = 320;
         view.height = 240;
         settles(view);
@@ -311,12 +238,12 @@ TEST_CASE("a jump, another field of view and another size draw what is there", "
 TEST_CASE("a viewer inside of a cell, and cells larger than the picture, are drawn as they are", "[image_cache]") {
     for (const double z : {-29.0, -30.0, -31.0, -35.0, -50.0}) {
         Walk<> walk;
-        const View view = looking({0, 0, z}, {1, 1, z - 10});
+        const View view = seen_from({0, 0, z}, {1, 1, z - 10});
         walk.frame(view);
         CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
     }
     Walk<> walk;
-    View small = looking({0, 0, -25});
+    View small = seen_from({0, 0, -25});
     small.width = 16;
     small.height = 12;
     walk.frame(small);
@@ -327,17 +254,17 @@ TEST_CASE("images never take more memory than the budget", "[image_cache]") {
     Walk<> plenty;
     std::uint64_t working_set = 0;
     for (int f = 0; f < 40; ++f) {
-        working_set = std::max(working_set, plenty.frame(looking({0.2 * f, 0, 0})).image_bytes);
+        working_set = std::max(working_set, plenty.frame(seen_from({0.2 * f, 0, 0})).image_bytes);
     }
     for (const std::uint64_t budget : {std::uint64_t(0), working_set / 8, working_set / 2}) {
         Walk<> walk({.least_items = 64, .budget_bytes = budget});
         for (int f = 0; f < 40; ++f) {
-            const View view = looking({0.2 * f, 0, 0});
+            const View view = seen_from({0.2 * f, 0, 0});
             REQUIRE(walk.frame(view).image_bytes <= budget);
             if (budget == 0) CHECK(walk.image() == walk.exact(view));
         }
         // A working set that does not fit is not made again and again.
-        const View last = looking({8, 0, 0});
+        const View last = seen_from({8, 0, 0});
         for (int f = 0; f < 3; ++f) walk.frame(last);
         for (int f = 0; f < 5; ++f) CHECK(walk.frame(last).images_made == 0);
     }
@@ -345,7 +272,7 @@ TEST_CASE("images never take more memory than the budget", "[image_cache]") {
 
 TEST_CASE("a frame makes no more images than it may", "[image_cache]") {
     Walk<> walk({.least_items = 64, .most_made = 3});
-    const View view = looking({0, 0, 0});
+    const View view = seen_from({0, 0, 0});
     std::uint64_t made = 0;
     for (int f = 0; f < 12; ++f) {
         const FrameStats stats = walk.frame(view);
@@ -359,7 +286,7 @@ TEST_CASE("a frame makes no more images than it may", "[image_cache]") {
 
 TEST_CASE("where a renderer fails to make an image, geometry is drawn", "[image_cache]") {
     Walk<FailingRenderer> walk;
-    const View view = looking({0, 0, 0});
+    const View view = seen_from({0, 0, 0});
     const FrameStats stats = walk.frame(view);
     CHECK(walk.renderer.asked > 0);
     CHECK(stats.images == 0);
@@ -371,13 +298,13 @@ TEST_CASE("where a renderer fails to make an image, geometry is drawn", "[image_
 }
 
 TEST_CASE("two viewers on two threads draw what each draws alone", "[image_cache]") {
-    const Cached hierarchy = build<Cached>(balls(), {.approximation = with({.least_items = 64})});
+    const CachedImages hierarchy = build<CachedImages>(balls(), {.approximation = with({.least_items = 64})});
     const auto walk = [&](double sign) {
         ZBufferRenderer renderer;
-        Viewer<Cached, Triangle, ZBufferRenderer> viewer(hierarchy, balls(), renderer);
+        Viewer<CachedImages, Triangle, ZBufferRenderer> viewer(hierarchy, balls(), renderer);
         std::vector<Image> images;
         for (int f = 0; f < 10; ++f) {
-            viewer.frame(looking({sign * 0.3 * f, 0, 0}));
+            viewer.frame(seen_from({sign * 0.3 * f, 0, 0}));
             images.push_back(renderer.image());
         }
         return images;
@@ -397,7 +324,7 @@ TEST_CASE("a known path makes images that serve along it", "[image_cache]") {
     std::uint64_t guessed = 0, known = 0;
     std::vector<glm::dvec3> stays(64, {20, 0, 0});
     for (int f = 0; f < 2; ++f) {
-        const View view = looking({20.0 * f, 0, 0});
+        const View view = seen_from({20.0 * f, 0, 0});
         if (f == 1) knows.viewer.expect(stays);
         guessed = guesses.frame(view).images_made;
         known = knows.frame(view).images_made;
@@ -410,7 +337,7 @@ TEST_CASE("whatever throws while an image is made, no slice of it stays", "[imag
     std::vector<glm::dvec3> path;  // sideways, so that slices pay
     for (int i = 1; i < 60; ++i) path.push_back({0.3 * i, 0, 0});
     {
-        const auto hierarchy = build<Cached>(
+        const auto hierarchy = build<CachedImages>(
             balls(), {.approximation = with({.slices = 4, .least_items = 64}), .cost_model = free_images()});
         auto viewer = make_viewer(hierarchy, balls(), renderer);
         for (const int before : {0, 1, 2, 3, 7}) {
@@ -418,13 +345,13 @@ TEST_CASE("whatever throws while an image is made, no slice of it stays", "[imag
             REQUIRE(renderer.kept == 0);
             renderer.left_to_make = before;
             viewer.expect(path);
-            CHECK_THROWS_AS(viewer.frame(looking({0, 0, 0})), std::bad_alloc);
+            CHECK_THROWS_AS(viewer.frame(seen_from({0, 0, 0})), std::bad_alloc);
             CHECK(renderer.kept <= before);  // those of images that were finished
             viewer.forget_images();
             CHECK(renderer.kept == 0);
             renderer.left_to_make = 1'000'000;
             viewer.expect(path);
-            const FrameStats stats = viewer.frame(looking({0, 0, 0}));
+            const FrameStats stats = viewer.frame(seen_from({0, 0, 0}));
             CHECK(stats.images_made > 0);
             CHECK(renderer.kept > int(stats.images_made));  // there are slices
         }
@@ -435,7 +362,7 @@ TEST_CASE("whatever throws while an image is made, no slice of it stays", "[imag
 TEST_CASE("where a renderer stops making images, the rest is geometry", "[image_cache]") {
     Walk<FailingRenderer> walk;
     walk.renderer.left_to_make = 3;
-    const View view = looking({0, 0, 0});
+    const View view = seen_from({0, 0, 0});
     for (int f = 0; f < 3; ++f) {
         CHECK(walk.frame(view).images == 3);
         CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
@@ -445,7 +372,7 @@ TEST_CASE("where a renderer stops making images, the rest is geometry", "[image_
 TEMPLATE_TEST_CASE("depth slices hold what one image holds", "[image_cache]", ZBufferRenderer, HierarchicalZRenderer) {
     for (const int slices : {2, 4, 8}) {
         Walk<TestType> walk({.slices = slices, .least_items = 64}, free_images());
-        const View view = looking({0, 0, 0});
+        const View view = seen_from({0, 0, 0});
         CHECK(walk.frame(view).images > 0);
         CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
         const Image first = walk.image();
@@ -457,8 +384,8 @@ TEMPLATE_TEST_CASE("depth slices hold what one image holds", "[image_cache]", ZB
 TEST_CASE("little opens between cells and depth slices of a surface that goes through all of them", "[image_cache]") {
     // A floor seen at a slant, and farther away nothing.
     const Triangles floor = sheet({-5, -2, -20}, {10, 0, 0}, {0, 1, -30}, 120, 120, {200, 180, 40, 255});
-    const Cached cached =
-        build<Cached>(floor, {.approximation = with({.slices = 4, .least_items = 1024}), .cost_model = free_images()});
+    const CachedImages cached = build<CachedImages>(
+        floor, {.approximation = with({.slices = 4, .least_items = 1024}), .cost_model = free_images()});
     const Plain plain = build<Plain>(floor);
     ZBufferRenderer renderer, plain_renderer;
     auto viewer = make_viewer(cached, floor, renderer);
@@ -466,7 +393,7 @@ TEST_CASE("little opens between cells and depth slices of a surface that goes th
     std::uint64_t images = 0;
     int most = 0;
     for (int f = 0; f < 40; ++f) {
-        const View view = looking({0.05 * f, 0.02 * f, 0}, {0, -2, -35});
+        const View view = seen_from({0.05 * f, 0.02 * f, 0}, {0, -2, -35});
         images += viewer.frame(view).images;
         plain_viewer.frame(view);
         int lost = 0;
@@ -490,13 +417,13 @@ TEST_CASE("a watertight wall shows its background no more than the threshold let
     // are flat, so that it is far less.
     const Triangles wall = sheet({-12, -9, -30}, {24, 0, 0}, {0, 18, -6}, 96, 96, {200, 180, 40, 255});
     const auto lost_at = [&](float threshold) {
-        const Cached cached =
-            build<Cached>(wall, {.approximation = with({.threshold_px = threshold, .least_items = 256})});
+        const CachedImages cached =
+            build<CachedImages>(wall, {.approximation = with({.threshold_px = threshold, .least_items = 256})});
         ZBufferRenderer renderer;
         auto viewer = make_viewer(cached, wall, renderer);
         int lost = 0;
         for (int f = 0; f < 30; ++f) {
-            const View view = looking({0.1 * f, 0.03 * f, 0}, {0, 0, -33});
+            const View view = seen_from({0.1 * f, 0.03 * f, 0}, {0, 0, -33});
             viewer.frame(view);
             for (int y = 30; y < 90; ++y) {
                 for (int x = 40; x < 120; ++x) lost += renderer.image().at(x, y).a == 0 ? 1 : 0;
@@ -511,7 +438,7 @@ TEST_CASE("a watertight wall shows its background no more than the threshold let
 
 TEST_CASE("a bound of work bounds what a frame makes", "[image_cache]") {
     Walk<> all, some({.least_items = 64, .most_making = 120000}), none({.least_items = 64, .most_making = 0});
-    const View view = looking({0, 0, 0});
+    const View view = seen_from({0, 0, 0});
     const std::uint64_t at_once = all.frame(view).images_made;
     CHECK(none.frame(view).images_made == 0);
     CHECK(none.image() == none.exact(view));
@@ -531,21 +458,21 @@ TEST_CASE("images that are dear to make are not made, whatever drawing them cost
         dear = free_images();
         dear.*price = 1e12f;
         Walk walk({.least_items = 64}, dear);
-        for (int i = 0; i < 3; ++i) CHECK(walk.frame(looking({0, 0, 0.01 * i})).images_made == 0);
+        for (int i = 0; i < 3; ++i) CHECK(walk.frame(seen_from({0, 0, 0.01 * i})).images_made == 0);
     }
     Walk walk({.least_items = 64}, free_images());
-    CHECK(walk.frame(looking({0, 0, 0})).images_made > 0);
+    CHECK(walk.frame(seen_from({0, 0, 0})).images_made > 0);
 }
 
 TEST_CASE("bounds of the motion decide how long an image lives", "[image_cache]") {
-    const View view = looking({0, 0, 0});
+    const View view = seen_from({0, 0, 0});
     // Standing, images pay by the last motion; a viewer that may be anywhere in the next frame wants none.
     Walk<> leaps({.least_items = 64, .most_speed = 1e6f}), creeps({.least_items = 64, .most_speed = 1e-4f}),
         starts({.least_items = 64, .most_speed = 1e-4f, .most_acceleration = 1e6f});
     CHECK(leaps.frame(view).images_made == 0);
     CHECK(starts.frame(view).images_made == 0);
     CHECK(creeps.frame(view).images_made > 0);
-    CHECK_THROWS_WITH(build<Cached>(balls(), {.approximation = with({.most_speed = -1})}),
+    CHECK_THROWS_WITH(build<CachedImages>(balls(), {.approximation = with({.most_speed = -1})}),
                       Catch::Matchers::Contains("most_speed"));
 }
 
@@ -553,7 +480,7 @@ TEST_CASE("images serve orthographic views, from wherever they look along one di
     Walk<> walk;
     std::uint64_t made = 0;
     for (int f = 0; f < 20; ++f) {
-        View view = looking({0, 0, 0});
+        View view = seen_from({0, 0, 0});
         const double x = 0.25 * f;
         view.camera = Camera::orthographic({x, 0, 0}, {x, 0, -50}, {0, 1, 0}, 20);
         const FrameStats stats = walk.frame(view);
@@ -592,9 +519,9 @@ TEST_CASE("conservative images displace nothing by more than the threshold", "[i
         return sums;
     };
     for (const int slices : {1, 4}) {
-        const Cached cached =
-            build<Cached>(dots, {.approximation = with({.is_conservative = true, .slices = slices, .least_items = 2}),
-                                 .cost_model = free_images()});
+        const CachedImages cached = build<CachedImages>(
+            dots, {.approximation = with({.is_conservative = true, .slices = slices, .least_items = 2}),
+                   .cost_model = free_images()});
         const Plain plain = build<Plain>(dots);
         FailingRenderer renderer{ZBufferOptions{}};
         renderer.left_to_make = 1 << 20;
@@ -605,7 +532,7 @@ TEST_CASE("conservative images displace nothing by more than the threshold", "[i
         std::size_t compared = 0;
         std::uint64_t images = 0, made = 0;
         for (int f = 0; f < 120; ++f) {
-            View view = looking({0.01 * f, 0.005 * f, -9 + 0.06 * f}, {0.01 * f, 0, -40});
+            View view = seen_from({0.01 * f, 0.005 * f, -9 + 0.06 * f}, {0.01 * f, 0, -40});
             view.width = 480;
             view.height = 360;
             const FrameStats stats = viewer.frame(view);

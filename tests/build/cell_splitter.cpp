@@ -141,6 +141,38 @@ TEST_CASE("parents come before children, level by level, and blocks of siblings 
     CHECK(split.report().levels == drafts.back().cell.depth + 1u);
 }
 
+TEST_CASE("small cells are split at last, into the cells that level by level they are split into") {
+    // With a budget of memory all is split level by level.
+    constexpr std::uint64_t plenty = std::uint64_t(1) << 50;
+    const Prices cheap{.splat = 0.5f, .cell = 0.01f, .run = 0.01f};
+    for (const std::size_t count : {0u, 1u, 16384u, 16385u, 60'000u}) {
+        Triangles triangles = mixed_triangles(count, 743);
+        // Some in one place, which end at the depth limit or cannot be told apart.
+        for (std::size_t i = 0; i < count / 50; ++i) triangles[i] = triangles[0];
+        CubeSplit late(triangles, cheap), by_level(triangles, cheap, {}, plenty);
+        const auto &a = late.splitter.drafts(), &b = by_level.splitter.drafts();
+        REQUIRE(a.size() == b.size());
+        std::size_t wrong = 0;
+        for (std::size_t n = 0; n < a.size(); ++n) {
+            late.data.order.clear();
+            by_level.data.order.clear();
+            late.splitter.append_items(a[n]);
+            by_level.splitter.append_items(b[n]);
+            wrong += late.data.order != by_level.data.order || a[n].cell.center != b[n].cell.center ||
+                     a[n].cell.half != b[n].cell.half || a[n].child_mask != b[n].child_mask ||
+                     (a[n].child_mask != 0 && a[n].first_child != b[n].first_child) || a[n].cost != b[n].cost ||
+                     a[n].is_leaf != b[n].is_leaf || a[n].count != b[n].count;
+        }
+        CHECK(wrong == 0);
+        const BuildReport &r = late.report(), &s = by_level.report();
+        CHECK(r.levels == s.levels);
+        CHECK(r.empty_cells_pruned == s.empty_cells_pruned);
+        CHECK(r.splits_that_would_not_pay == s.splits_that_would_not_pay);
+        CHECK(r.cells_at_depth_limit == s.cells_at_depth_limit);
+        CHECK(r.cells_that_cannot_be_told_apart == s.cells_that_cannot_be_told_apart);
+    }
+}
+
 TEST_CASE("what ends a split is counted") {
     const Triangles triangles = in_octants(40);
     const Prices cheap{.cell = 0.001f, .run = 0.001f};

@@ -7,6 +7,8 @@
 
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/approximation/sample_set.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/frame/frame_budget.hpp"
@@ -119,6 +121,35 @@ TEST_CASE("a fade changes pictures little from one frame to the next") {
         return std::sqrt(largest);
     };
     CHECK(largest_pop(0.5f) < 0.6 * largest_pop(0));
+}
+
+TEST_CASE("primitives come one by one as what stood for them fades") {
+    const Triangles triangles = random_triangles(20000, 182, 0.02f);
+    using Samples = SpatialHierarchy<Octree, SampleSet<OpacityTensor>, TriangleCount>;
+    const Samples h = build<Samples>(triangles);
+    ZBufferRenderer renderer({.samples = 16});
+    auto viewer = make_viewer(h, triangles, renderer);
+    const auto largest_step = [&](float fade) {
+        double largest = 0;
+        std::uint64_t largest_share = 0;
+        for (int i = 0; i < 150; ++i) {
+            View view = jittered(10 * std::pow(16, i / 150.0), 0);
+            view.fade = fade;
+            const std::uint64_t drawn = viewer.frame(view).primitives;
+            const Image at_once = renderer.image();
+            view.tolerance_px /= float(std::pow(16, 1 / 150.0));
+            const std::uint64_t before = viewer.frame(view).primitives;
+            CHECK(before >= drawn);
+            largest_share = std::max(largest_share, before - drawn);
+            largest = std::max(largest, mse(renderer.image(), at_once));
+        }
+        return std::pair(std::sqrt(largest), largest_share);
+    };
+    const auto [hard, hard_share] = largest_step(0);
+    const auto [soft, soft_share] = largest_step(0.75f);
+    INFO(soft << " of " << hard << ", " << soft_share << " of " << hard_share);
+    CHECK(soft < 0.5 * hard);
+    CHECK(soft_share < hard_share / 4);
 }
 
 TEST_CASE("parts of an opacity cover together what all of it does") {

@@ -1,5 +1,6 @@
 // No frame allocates once buffers have grown to what the scene needs. Counts calls of operator new in this program.
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 #include <vector>
@@ -7,7 +8,9 @@
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/image_cache.hpp"
 #include "farfield/build.hpp"
+#include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/frame/frame_budget.hpp"
 #include "farfield/merged_viewer.hpp"
@@ -218,4 +221,36 @@ TEST_CASE("frames of masks do not allocate, those of moving bodies neither") {
     }
     CHECK(pieces > 10);
     CHECK(during == 0);
+}
+
+TEST_CASE("frames that make no image of a cell do not allocate, and most do not") {
+    const Triangles triangles = mixed_triangles(8000, 123);
+    using Cached = SpatialHierarchy<Octree, ImageCache<Exact>, MeasuredTime>;
+    ImageCache<Exact> images;
+    images.image_options.least_items = 64;
+    images.image_options.most_overhead = 4;
+    MeasuredTime prices;
+    prices.image = prices.texel = prices.made_image = prices.made_texel = 0;
+    for (const std::uint32_t fade_frames : {0u, 4u}) {
+        images.image_options.fade_frames = fade_frames;
+        const Cached h = build<Cached>(triangles, {.approximation = images, .cost_model = prices});
+        ZBufferRenderer renderer;
+        auto viewer = make_viewer(h, triangles, renderer);
+        int without = 0, with_images = 0;
+        for (int round = 0; round < 4; ++round) {
+            for (int f = 0; f < 60; ++f) {
+                const View view = looking({0.01 * f, 1, 9}, {0.01 * f, 0, 0}, 100);
+                const std::size_t before = allocations().count;
+                const FrameStats stats = viewer.frame(view);
+                const std::size_t during = allocations().count - before;
+                if (round < 2) continue;
+                with_images += stats.images > 0;
+                if (stats.images_made > 0) continue;
+                ++without;
+                CHECK(during == 0);
+            }
+        }
+        CHECK(with_images > 100);
+        CHECK(without > 30);
+    }
 }

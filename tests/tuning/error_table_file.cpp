@@ -1,5 +1,6 @@
 #include "farfield/tuning/error_table_file.hpp"
 
+#include <initializer_list>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
@@ -37,7 +39,9 @@ struct TableFile {
         const Bytes bytes = read_file(path());
         return {bytes.begin(), bytes.end()};
     }
-    std::string head() const { return "hierarchy " + detail::name_of_hierarchy(hierarchy) + "\nleast_saving 0.05\n"; }
+    std::string head() const {
+        return "hierarchy " + HierarchyIdentity::of(hierarchy).as_text() + "\nleast_saving 0.05\n";
+    }
     /// What read_error_table() says, after the file's name.
     std::string refusal(const std::string& contents) const {
         write_file(path(), Bytes(contents.begin(), contents.end()));
@@ -72,7 +76,7 @@ TEST_CASE("the table of another hierarchy is refused, and what is no table, with
     const TableFile file;
     CHECK(file.refusal(file.head() + "0 0.1 1\n").empty());
     CHECK(file.refusal("# mine\r\n\n" + file.head() + "0 0.1 1\r\n").empty());
-    CHECK(file.refusal("hierarchy 1 2 3\n").find("1: it was measured for another hierarchy") == 0);
+    CHECK(file.refusal("hierarchy 1 2 3 4\n").find("1: it was measured for another hierarchy") == 0);
     CHECK(file.refusal(file.head() + "0 0.1\n") == "3: expected a number, found ''");
     CHECK(file.refusal(file.head() + "0 much 1\n") == "3: expected a number, found 'much'");
     CHECK(file.refusal(file.head() + "0 0.1 1 2\n") == "3: '2' is too much");
@@ -81,9 +85,31 @@ TEST_CASE("the table of another hierarchy is refused, and what is no table, with
     CHECK(file.refusal(file.head()).find(" tolerances must ascend from 0") == 0);
     CHECK(file.refusal(file.head() + "0 0.1 1\n2 0.1 1\n1 0.1 1\n").find(" tolerances must ascend") == 0);
     CHECK(file.refusal(file.head() + "0 nan 1\n").find(" tolerances must ascend") == 0);
-    CHECK(file.refusal("hierarchy " + detail::name_of_hierarchy(file.hierarchy) + "\n0 0.1 1\n")
+    CHECK(file.refusal("hierarchy " + HierarchyIdentity::of(file.hierarchy).as_text() + "\n0 0.1 1\n")
               .find(" tolerances must ascend from 0, errors and costs be 0 or more, and the least saving") == 0);
     CHECK_THROWS_AS(read_error_table(file.hierarchy, file.directory / "none"), std::runtime_error);
     CHECK_THROWS_AS(write_error_table(ErrorTable({{0, 0, 1}}), file.hierarchy, file.directory.path()),
                     std::runtime_error);
+}
+
+TEST_CASE("a table of a scene's hierarchies together is that of all of them, in their order") {
+    const TemporaryDirectory directory;
+    const auto several = [](std::initializer_list<int> counts) {
+        HierarchyIdentity identity;
+        for (const int count : counts) identity.add(HierarchyIdentity::of(build<Hierarchy>(triangles(count))));
+        return identity;
+    };
+    const ErrorTable table({{0, 0.1, 1}, {2, 0.2, 0.5}});
+    write_error_table(table, several({300, 400}), directory / "table");
+    CHECK(read_error_table(several({300, 400}), directory / "table").trials().size() == 2);
+    for (const auto& counts : {several({300}), several({400, 300}), several({300, 401}), several({300, 400, 400})}) {
+        CHECK_THROWS_AS(read_error_table(counts, directory / "table"), std::runtime_error);
+    }
+    using Cells = SpatialHierarchy<Octree, ColorCubeCluster<4>, TriangleCount>;
+    HierarchyIdentity other = HierarchyIdentity::of(build<Cells>(triangles(400)));
+    const HierarchyIdentity cubes = HierarchyIdentity::of(build<Hierarchy>(triangles(400)));
+    other.cells = cubes.cells;
+    other.stand_ins = cubes.stand_ins;
+    CHECK(other.fingerprint == cubes.fingerprint);
+    CHECK(other.as_text() != cubes.as_text());
 }

@@ -1,7 +1,8 @@
 // A page file on any web server as a source of pages, by requests for ranges of bytes. No server of farfield's own is
 // needed: nginx, Apache, or a store in the cloud will do.
 //
-// It needs libcurl: in CMake link farfield::http, which is there where curl is. No other header includes this one.
+// It needs libcurl: in CMake link farfield::http, which is there where curl is (of an installed farfield a component).
+// No other header includes this one.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -34,8 +35,8 @@ namespace farfield {
 /// restarts, even where a file is not there (404) or may not be read (403). What is gone for good (410) is changed;
 /// what is no answer to the request at all, such as 400, is refused.
 ///
-/// Exceptions are thrown at opening only. It can be moved, as long as nobody reads. curl's OpenSSL may send SIGPIPE
-/// before version 7.87: programs that read by https ignore that signal, as most do.
+/// Exceptions are thrown at opening only. It can be moved, as long as nobody reads. Programs that read by https ignore
+/// SIGPIPE, as most do: curl cannot everywhere keep its TLS library from it (CURLOPT_NOSIGNAL).
 class HttpPageSource {
   public:
     /// An address that begins with http:// or https://. User and password in it, and what follows a question mark, are

@@ -45,7 +45,8 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     struct stand_in_data {
         typename Inner::stand_in_data inner;
         std::uint16_t left = 65535, sample = 0;  ///< SampledCell's, of 65535
-        std::uint32_t sample_size = 0;           ///< `all`: few more than it, which are drawn too
+        std::uint32_t sample_size : 31 = 0;      ///< `all`: few more than it, which are drawn too
+        std::uint32_t is_in_children : 1 = 0;    ///< SampledCell's
     };
     static constexpr ApproximationFacts facts{
         .accepts = Assignment::unique,
@@ -55,7 +56,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         .merges_octants = Inner::facts.merges_octants,
         .bounds_error = Inner::facts.bounds_error,
         .samples_primitives = true,
-        .file_tag = Inner::facts.file_tag == 0 ? 0u : 0x53530001u ^ Inner::facts.file_tag};
+        .file_tag = Inner::facts.file_tag == 0 ? 0u : 0x53530002u ^ Inner::facts.file_tag};
 
     const char* wrong_option() const {
         if (const char* why = detail::wrong_option(inner)) return why;
@@ -79,10 +80,13 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     stand_in_data finish(const Cell& cell, const stand_in_draft& d) const { return {inner.finish(cell, d)}; }
     stand_in_data sampled(const stand_in_data& data, SampledCell cell) const {
         const auto part = [](float f) { return std::uint16_t(f * 65535 + 0.5f); };
-        if (cell.areas_per_side > most_areas_for_sample) return {data.inner, part(cell.left), 0, 0};
+        stand_in_data out{data.inner, part(cell.left), 0, 0, cell.is_in_children};
+        if (cell.areas_per_side > most_areas_for_sample) return out;
+        out.sample = part(cell.sample);
         // A deposit is about as much work as eight triangles (TriangleCount).
         const bool pays = cell.fixed != 0 || cell.items > cell.sample_size + 8;
-        return {data.inner, part(cell.left), part(cell.sample), pays ? cell.sample_size : all};
+        out.sample_size = pays ? cell.sample_size & all : all;
+        return out;
     }
 
     /// What a split adds for each child: a surface fills four of a cell's eight, and its sample is drawn with all of
@@ -106,11 +110,24 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         return inner.least_error_px(cell, levels, view);
     }
 
+    // Samples that are left out: see frame/left_out_samples.hpp.
+
+    /// Where a sample of the picture is half a pixel or more, polygons smaller than a pixel are noise, and cost more.
+    bool leaves_out_samples(const LocalView& view, float splat_limit_px) const {
+        return !(draws_samples(view) && splat_limit_px < 1);
+    }
+    bool is_in_children(const stand_in_data& data) const { return data.is_in_children != 0; }
+    /// A sample is drawn evenly from all that lies in a cell: cells above have drawn as much of what lies in a part.
+    stand_in_data with_left_of(const stand_in_data& data, const stand_in_data& above) const {
+        stand_in_data out = data;
+        out.left = above.left;
+        out.sample = std::min(data.sample, above.left);
+        return out;
+    }
+
     template <class Sink>
     void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
-        // Where a sample of the picture is half a pixel or more, polygons smaller than a pixel are noise, and cost
-        // more.
-        const bool with_sample = draws_samples(view) && sink.splat_limit_px < 1 && data.sample_size != 0;
+        const bool with_sample = !leaves_out_samples(view, sink.splat_limit_px) && data.sample_size != 0;
         if (with_sample) sink(OwnRun{data.sample_size});
         if (with_sample && data.sample_size == all) return;
         const unsigned left = with_sample ? data.left - data.sample : data.left;
@@ -130,9 +147,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         return std::size_t(0);
     }();
     /// Not those that are drawn with samples.
-    bool places(const LocalView& view, float splat_limit_px) const {
-        return !(draws_samples(view) && splat_limit_px < 1);
-    }
+    bool places(const LocalView& view, float splat_limit_px) const { return leaves_out_samples(view, splat_limit_px); }
     void place(const stand_in_data& data, const Cell& cell, std::uint32_t* words) const
         requires(detail::DrawsPlaced<Inner>) {
         inner.place(data.inner, cell, words);
@@ -155,7 +170,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     }
 
   private:
-    static constexpr std::uint32_t all = std::numeric_limits<std::uint32_t>::max();  ///< that lies below the cell
+    static constexpr std::uint32_t all = std::numeric_limits<std::uint32_t>::max() >> 1;  ///< that lies below the cell
 
     bool draws_samples(const LocalView& view) const { return view.tolerance_px <= samples_up_to_px; }
 

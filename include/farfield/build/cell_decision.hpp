@@ -103,7 +103,11 @@ CellDecision decide_about_cell(const Partition_& partition, const A& approximati
                 continue;
             }
             rest_cost += items[i].cost;
-            for (unsigned m = mask; m != 0; m &= m - 1) ++d.count[unsigned(std::countr_zero(m))];
+            if constexpr (are_shared) {
+                for (unsigned m = mask; m != 0; m &= m - 1) ++d.count[unsigned(std::countr_zero(m))];
+            } else {
+                ++d.count[unsigned(std::countr_zero(mask))];
+            }
         }
         for (unsigned c = 0; c < 8; ++c) {
             if (d.count[c] != 0) child_mask = std::uint8_t(child_mask | 1u << c);

@@ -1,5 +1,5 @@
 // The first phase of a build: which primitives go into which cell. Level by level, so that whatever a level decides
-// depends on the levels above alone and never on which thread was faster.
+// depends on the levels above alone and never on which thread was faster; and at last what has become small.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -17,6 +17,7 @@
 #include "farfield/build/build_node.hpp"
 #include "farfield/build/cell_decision.hpp"
 #include "farfield/build/read_primitives.hpp"
+#include "farfield/build/small_subtrees.hpp"
 #include "farfield/composition.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
@@ -46,6 +47,7 @@ class CellSplitter {
     void split() {
         take_primitives();
         while (level_begin_ < drafts_.size()) split_level();
+        if constexpr (!items_are_shared) split_small_cells();
     }
 
     std::vector<Draft>& drafts() { return drafts_; }
@@ -68,6 +70,12 @@ class CellSplitter {
         if constexpr (items_are_shared) cells_with_.assign(primitives_.size(), 1);
         data_.facts.root = part_ != nullptr ? *part_ : partition_.root(bounds_of_root(data_.facts, world_));
         drafts_.push_back({.cell = data_.facts.root, .count = items_.size(), .cost = total});
+        if (is_small(items_.size())) {
+            small_.add(0, items_.size());
+            std::swap(items_, small_items_);
+        } else if (memory_budget_bytes_ == 0) {
+            small_items_.reserve(items_.size());
+        }
     }
 
     /// Decides about each node of the newest level, then hands its items down.
@@ -83,9 +91,10 @@ class CellSplitter {
         for (std::size_t i = 0; i < level.size(); ++i) {
             Draft& node = drafts_[begin + i];
             LevelNode& l = level[i];
+            if (l.is_small) continue;
             l.kept_to = kept_size;
             kept_size += l.decision.kept;
-            count_refusals(l.decision);
+            count_refusals(l.decision, data_.facts.report);
             if (node.is_leaf) continue;
             const Cell parent = node.cell;
             const auto node_data = node.data;
@@ -93,55 +102,87 @@ class CellSplitter {
             drafts_[begin + i].first_child = std::uint32_t(drafts_.size());
             for (unsigned c = 0; c < 8; ++c) {
                 if ((mask >> c & 1) == 0) continue;
-                l.next_to[c] = next_size;
+                const std::size_t count = l.decision.count[c];
+                l.child_is_small[c] = is_small(count);
+                if (is_small(count)) {
+                    l.next_to[c] = small_.add(std::uint32_t(drafts_.size()), count);
+                } else {
+                    l.next_to[c] = next_size;
+                    next_size += count;
+                }
                 drafts_.push_back(
-                    {.cell = partition_.child(parent, node_data, c), .first = next_size, .count = l.decision.count[c]});
-                next_size += l.decision.count[c];
+                    {.cell = partition_.child(parent, node_data, c), .first = l.next_to[c], .count = count});
             }
             data_.facts.report.empty_cells_pruned += 8 - unsigned(std::popcount(mask));
         }
         if (drafts_.size() > 0xfffffff0u || kept_size > 0xfffffff0u || next_size > 0xfffffff0u) {
-            detail::fail<std::length_error>(
-                "farfield: the hierarchy would exceed 2^32 nodes or items; lower max_depth");
+            refuse_size();
         }
         if constexpr (items_are_shared) count_cells(begin, end);
         next_items_.resize(next_size);
+        small_items_.resize(small_.items());
         kept_.resize(kept_size);
         control_.run_quietly(level.size(), [&](std::size_t i) { hand_down(drafts_[begin + i], level[i]); });
         std::swap(items_, next_items_);
         for (std::size_t i = 0; i < level.size(); ++i) {
+            if (level[i].is_small) continue;
             drafts_[begin + i].first = level[i].kept_to;
             drafts_[begin + i].count = level[i].decision.kept;
         }
         level_begin_ = end;
         if (end > begin) ++data_.facts.report.levels;
-        control_.report(BuildPhase::splitting, kept_.size(), kept_.size() + items_.size());
+        control_.report(BuildPhase::splitting, kept_.size(), kept_.size() + items_.size() + small_items_.size());
+    }
+
+    /// Not where memory is bounded: what is too much is asked level by level.
+    bool is_small(std::size_t items) const {
+        return !items_are_shared && memory_budget_bytes_ == 0 && items <= SmallSubtrees<Partition_>::most_items;
+    }
+
+    void split_small_cells() {
+        if (small_items_.empty()) return;
+        items_ = next_items_ = {};
+        const std::size_t begin = kept_.size(), all = begin + small_items_.size();
+        kept_.resize(all);
+        small_.split(
+            drafts_, partition_, std::span(small_items_), std::span(kept_).subspan(begin), begin, control_,
+            [this](Draft& node, std::span<const Item> items, std::span<std::uint16_t> targets) {
+                return decide(node, items, targets, false);
+            },
+            [&](std::size_t done) { control_.report(BuildPhase::splitting, begin + done, all); });
+        data_.facts.report.levels = std::uint32_t(small_.put_in_level_order(drafts_, data_.facts.report));
+        if (drafts_.size() > 0xfffffff0u) refuse_size();
+    }
+    [[noreturn]] static void refuse_size() {
+        detail::fail<std::length_error>("farfield: the hierarchy would exceed 2^32 nodes or items; lower max_depth");
     }
 
     struct LevelNode {
         CellDecision decision;
         std::array<std::size_t, 8> next_to{};
+        std::array<bool, 8> child_is_small{};
         std::size_t kept_to = 0;
+        bool is_small = false;  ///< it is split at last
     };
 
     void decide(Draft& node, LevelNode& l, bool over_budget) {
-        const CellDecision& d = l.decision = decide_about_cell(
-            partition_, approximation_, cost_, node.cell, node.data, {items_.data() + node.first, node.count},
-            {targets_.data() + node.first, node.count}, [this](std::uint32_t source) { return touches(source); },
-            over_budget);
+        l.is_small = is_small(node.count);
+        if (l.is_small) return;
+        l.decision = decide(node, {items_.data() + node.first, node.count}, {targets_.data() + node.first, node.count},
+                            over_budget);
+    }
+    CellDecision decide(Draft& node, std::span<const Item> items, std::span<std::uint16_t> targets,
+                        bool over_budget) const {
+        const CellDecision d = decide_about_cell(
+            partition_, approximation_, cost_, node.cell, node.data, items, targets,
+            [this](std::uint32_t source) { return touches(source); }, over_budget);
         node.child_mask = d.child_mask;
         node.is_leaf = d.child_mask == 0;
         node.cost = d.cost;
+        return d;
     }
 
     auto touches(std::uint32_t source) const { return touches_of(primitives_[source], data_.facts.origin); }
-
-    void count_refusals(const CellDecision& d) {
-        data_.facts.report.splits_that_would_not_pay += d.would_not_pay;
-        data_.facts.report.cells_at_depth_limit += d.too_deep;
-        data_.facts.report.cells_that_cannot_be_told_apart += d.one_place;
-        data_.facts.report.cells_over_memory_budget += d.no_memory;
-    }
 
     /// "Its drawing cost in each of these cells is obtained by dividing its original cost by the number of cells in
     /// which it appears" (1996, section 4); counted once a level, since the number changes while other branches split.
@@ -156,15 +197,20 @@ class CellSplitter {
         }
     }
 
-    void hand_down(const Draft& node, LevelNode& l) {
+    void hand_down(const Draft& node, const LevelNode& l) {
+        if (l.is_small) return;
         std::size_t kept_to = l.kept_to;
+        std::array<Item*, 8> next;
+        for (unsigned c = 0; c < 8; ++c) {
+            next[c] = (l.child_is_small[c] ? small_items_ : next_items_).data() + l.next_to[c];
+        }
         for (std::size_t i = node.first; i < node.first + node.count; ++i) {
             Item item = items_[i];
             if constexpr (items_are_shared) item.cost = whole_cost_[item.source] / float(cells_with_[item.source]);
             const unsigned mask = node.is_leaf ? 0u : targets_[i];
             if (mask == in_other_cells) continue;
             if (mask == 0) kept_[kept_to++] = item.source;
-            for (unsigned m = mask; m != 0; m &= m - 1) next_items_[l.next_to[unsigned(std::countr_zero(m))]++] = item;
+            for (unsigned m = mask; m != 0; m &= m - 1) *next[unsigned(std::countr_zero(m))]++ = item;
         }
     }
 
@@ -188,9 +234,11 @@ class CellSplitter {
     std::vector<Draft> drafts_;  ///< level after level
     std::size_t level_begin_ = 0;
     std::vector<Item> items_, next_items_;  ///< of this level and the next
-    std::vector<std::uint16_t> targets_;    ///< which children get an item; 0: it stays
-    std::vector<std::uint32_t> kept_;       ///< primitives in their last place, by level
-    std::vector<float> whole_cost_;         ///< shared items only
+    std::vector<Item> small_items_;         ///< of small cells, which are left for the end
+    SmallSubtrees<Partition_> small_;
+    std::vector<std::uint16_t> targets_;  ///< which children get an item; 0: it stays
+    std::vector<std::uint32_t> kept_;     ///< primitives in their last place, by level
+    std::vector<float> whole_cost_;       ///< shared items only
     std::vector<std::uint32_t> cells_with_;
 };
 

@@ -74,8 +74,8 @@ class HierarchyBuilder {
 
     /// Builds a part of a scene (BuildBudget::part), for whoever puts parts together: its root has a stand-in whether
     /// or not that pays, and what this is made from.
-    Data build_part(typename A::stand_in_draft& root) requires(A::facts.stands_in) {
-        root_draft_ = &root;
+    Data build_part(std::add_pointer_t<DraftOf<A>> root) requires(A::facts.stands_in) {
+        root_draft_ = root;
         return build();
     }
 
@@ -125,25 +125,89 @@ class HierarchyBuilder {
     // --- stand-ins
 
     void make_stand_ins() {
-        std::vector<typename A::stand_in_draft> drafts(nodes_.size());
         bool merges = false;
         if constexpr (A::facts.merges_octants && Partition_::facts.children_are_octants) {
             merges = approximation_.merges_children();
         }
         // Cells of a few pieces are most of them; where their parents need no drafts, neither do they.
         if (cuts && !merges) least_cost_ = cost_.cost(approximation_.expected_work());
+        if constexpr (finishes_early) {
+            if (merges) {
+                finish_bottom_up();
+                if constexpr (A::facts.samples_primitives) move_up();
+                choose_what_pays([&](std::size_t n) { return finished_[n]; });
+                if constexpr (A::facts.samples_primitives) drop_idle_nodes();
+                return;
+            }
+        }
+        std::vector<typename A::stand_in_draft> drafts(nodes_.size());
         sample(drafts, merges);
         if constexpr (A::facts.merges_octants) {
             if (merges) merge(drafts);
         }
         if constexpr (A::facts.samples_primitives) move_up();
         if (root_draft_ != nullptr) *root_draft_ = drafts[0];
-        choose_what_pays(drafts);
+        choose_what_pays(
+            [&](std::size_t n) { return finished_stand_in(approximation_, nodes_[n].cell, drafts[n], data_.pool); });
         if constexpr (A::facts.samples_primitives) drop_idle_nodes();
         if constexpr (A::facts.compares && Partition_::facts.children_are_octants) {
             prune_redundant_stand_ins<Partition_>(approximation_, std::span(nodes_),
                                                   std::span<const typename A::stand_in_draft>(drafts));
         }
+    }
+
+    /// Drafts are large, and once its parent has been merged a cell's draft is of use only where stand-ins are compared
+    /// with one another or put into a pool in the order of nodes. Elsewhere a subtree that fits into a processor's
+    /// cache is drafted, merged and finished depth first, in a few drafts' memory.
+    static constexpr bool finishes_early = A::facts.merges_octants && !A::facts.compares && !A::facts.has_pool;
+
+    void finish_bottom_up() {
+        using Draft = typename A::stand_in_draft;
+        constexpr std::uint32_t most_items = 4096;
+        const auto is_small = [&](const DraftCell& n) { return n.end_item - n.first_item <= most_items; };
+        // The largest subtrees that are small, and what is above them.
+        std::vector<std::uint32_t> roots, place(nodes_.size(), 0);
+        std::uint32_t drafts_kept = 0;
+        for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+            const DraftCell& node = nodes_[n];
+            if (n != 0 && place[n] == 0) continue;
+            place[n] = ++drafts_kept;
+            if (is_small(node)) {
+                roots.push_back(n);
+                continue;
+            }
+            for (int c = 0; c < std::popcount(node.child_mask); ++c) place[node.first_child + unsigned(c)] = 1;
+        }
+        finished_.resize(nodes_.size());
+        std::vector<Draft> kept(drafts_kept + 1);
+        constexpr std::size_t chunk = 8;
+        control_.run(BuildPhase::sampling, (roots.size() + chunk - 1) / chunk, [&](std::size_t i) {
+            Sampler sampler = sampler_;
+            std::vector<Draft> drafts(8 * std::size_t(data_.facts.report.levels));
+            for (std::size_t r = i * chunk; r < std::min((i + 1) * chunk, roots.size()); ++r) {
+                finish_subtree(roots[r], kept[place[roots[r]]], std::span(drafts), sampler);
+            }
+        });
+        run_bottom_up(control_, levels_of(std::span<const DraftCell>(nodes_)), [&](std::size_t n) {
+            if (place[n] == 0 || is_small(nodes_[n])) return;
+            Sampler sampler = sampler_;
+            Draft& draft = kept[place[n]];
+            draft = own_draft(nodes_[n], sampler);
+            merge(n, draft, [&](std::uint32_t child) { return &kept[place[child]]; });
+            finished_[n] = finished_stand_in(approximation_, nodes_[n].cell, draft, data_.pool);
+        });
+        if (root_draft_ != nullptr) *root_draft_ = kept[place[0]];
+    }
+    /// The first eight drafts are for the node's children, and all others for what is below these.
+    template <class Draft>
+    void finish_subtree(std::uint32_t n, Draft& draft, std::span<Draft> drafts, Sampler& sampler) {
+        const DraftCell& node = nodes_[n];
+        for (int c = 0; c < std::popcount(node.child_mask); ++c) {
+            finish_subtree(node.first_child + unsigned(c), drafts[std::size_t(c)], drafts.subspan(8), sampler);
+        }
+        draft = own_draft(node, sampler);
+        merge(n, draft, [&](std::uint32_t child) { return &drafts[child - node.first_child]; });
+        finished_[n] = finished_stand_in(approximation_, node.cell, draft, data_.pool);
     }
 
     /// Primitives lie in the user's order and are wanted in the hierarchy's: every one is a miss, unless asked for
@@ -181,28 +245,39 @@ class HierarchyBuilder {
                 const DraftCell& node = nodes_[n];
                 const std::uint32_t end = merges ? node.first_item + std::uint32_t(node.count) : node.end_item;
                 if (node.first_item == end || !(node.cost > least_cost_)) continue;
-                const auto contents = [&](auto&& sink) {
-                    for (std::uint32_t at = node.first_item; at < end; ++at) send_polygons(at, sink);
-                };
-                drafts[n] = approximation_.sample(node.cell, contents, sampler);
+                drafts[n] = draft_of(node, end, sampler);
             }
         });
+    }
+    auto draft_of(const DraftCell& node, std::uint32_t end, Sampler& sampler) const {
+        const auto contents = [&](auto&& sink) {
+            for (std::uint32_t at = node.first_item; at < end; ++at) send_polygons(at, sink);
+        };
+        return approximation_.sample(node.cell, contents, sampler);
+    }
+    /// Of the cell's own run, to which children are merged.
+    auto own_draft(const DraftCell& node, Sampler& sampler) const {
+        if (node.count == 0 || !(node.cost > least_cost_)) return typename A::stand_in_draft{};
+        return draft_of(node, node.first_item + std::uint32_t(node.count), sampler);
     }
 
     template <class Draft>
     void merge(std::vector<Draft>& drafts) {
-        run_bottom_up(control_, levels_of(std::span<const DraftCell>(nodes_)), [&](std::size_t n) {
-            const DraftCell& node = nodes_[n];
-            std::array<ChildDraft<Draft>, 8> children;
-            unsigned count = 0;
-            for (unsigned mask = node.child_mask; mask != 0; mask &= mask - 1, ++count) {
-                const std::uint32_t at = node.first_child + count;
-                children[count] = {unsigned(std::countr_zero(mask)), &nodes_[at].cell, &drafts[at]};
-            }
-            if (count != 0) {
-                approximation_.merge(node.cell, drafts[n], std::span<const ChildDraft<Draft>>(children.data(), count));
-            }
-        });
+        run_bottom_up(control_, levels_of(std::span<const DraftCell>(nodes_)),
+                      [&](std::size_t n) { merge(n, drafts[n], [&](std::uint32_t child) { return &drafts[child]; }); });
+    }
+    template <class Draft, class DraftOfChild>
+    void merge(std::size_t n, Draft& draft, DraftOfChild&& draft_of_child) const {
+        const DraftCell& node = nodes_[n];
+        std::array<ChildDraft<Draft>, 8> children;
+        unsigned count = 0;
+        for (unsigned mask = node.child_mask; mask != 0; mask &= mask - 1, ++count) {
+            const std::uint32_t at = node.first_child + count;
+            children[count] = {unsigned(std::countr_zero(mask)), &nodes_[at].cell, draft_of_child(at)};
+        }
+        if (count != 0) {
+            approximation_.merge(node.cell, draft, std::span<const ChildDraft<Draft>>(children.data(), count));
+        }
     }
 
     // --- samples
@@ -290,8 +365,9 @@ class HierarchyBuilder {
     }
 
     /// "The cost of rendering the primitives is no more than the cost of rendering the color-cube": then there is none.
-    template <class Draft>
-    void choose_what_pays(const std::vector<Draft>& drafts) {
+    /// stand_in_of(node) is what finished_stand_in() makes of its draft.
+    template <class StandInOf>
+    void choose_what_pays(StandInOf&& stand_in_of) {
         const auto keep_if_it_pays = [&](std::uint32_t n, const typename A::stand_in_data& data) {
             DraftCell& node = nodes_[n];
             const bool pays =
@@ -308,22 +384,21 @@ class HierarchyBuilder {
         if constexpr (A::facts.has_pool) {
             for (const std::uint32_t n : nodes_by_place()) {
                 const std::size_t pool_size = data_.pool.size();
-                if (!keep_if_it_pays(n, finished(n, drafts[n]))) data_.pool.resize(pool_size);
+                if (!keep_if_it_pays(n, sampled(n, stand_in_of(n)))) data_.pool.resize(pool_size);
             }
         } else {
             constexpr std::size_t chunk = 256;
             std::vector<typename A::stand_in_data> all(nodes_.size());
             control_.run_quietly((all.size() + chunk - 1) / chunk, [&](std::size_t i) {
                 for (std::size_t n = i * chunk; n < std::min((i + 1) * chunk, all.size()); ++n) {
-                    all[n] = finished(n, drafts[n]);
+                    all[n] = sampled(n, stand_in_of(n));
                 }
             });
             for (const std::uint32_t n : nodes_by_place()) keep_if_it_pays(n, all[n]);
         }
     }
-    template <class Draft>
-    auto finished(std::size_t n, const Draft& draft) {
-        auto data = finished_stand_in(approximation_, nodes_[n].cell, draft, data_.pool);
+    /// A stand-in once samples have moved.
+    auto sampled([[maybe_unused]] std::size_t n, typename A::stand_in_data data) const {
         if constexpr (A::facts.samples_primitives) data = approximation_.sampled(data, sampled_cells_[n]);
         return data;
     }
@@ -395,6 +470,7 @@ class HierarchyBuilder {
     std::add_pointer_t<DraftOf<A>> root_draft_ = nullptr;
     Data data_;
     std::vector<DraftCell> nodes_;                        ///< parents before children
+    std::vector<typename A::stand_in_data> finished_{};   ///< parallel to nodes_, where they are finished early
     std::vector<typename A::stand_in_data> stand_ins_{};  ///< those that pay, by BuildNode::stand_in
     float least_cost_ = -1;                               ///< of a subtree that is drafted
     std::vector<SampledCell> sampled_cells_;              ///< parallel to nodes_; empty where nothing moves

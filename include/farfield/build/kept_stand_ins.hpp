@@ -210,7 +210,7 @@ class KeptStandIns : protected KeptCells<H, P> {
         twig.data = finished_stand_in(approximation_, twig.cell, twig.draft, pool_);
         if constexpr (samples) {
             const SampleRace<A> race(approximation_, racers_, facts_.root.to_ordinary());
-            twig.left = race.left_of(twig.cell, twig.about.area, run_, sampled, [&](auto&& take) {
+            twig.left = race.left_of(twig.cell, twig.about.area, run_, sampled, twig.own.size(), [&](auto&& take) {
                 for_each_child(n, [&](unsigned, std::uint32_t child) { take(twigs_[child].left); });
             });
             twig.data = approximation_.sampled(twig.data, twig.left.cell);

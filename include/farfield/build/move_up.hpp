@@ -59,7 +59,7 @@ class MoveUp {
         std::vector<LeftOfCell> left(nodes_.size());
         std::vector<SampledCell> out(nodes_.size());
         run_bottom_up(control_, levels_, [&](std::size_t n) {
-            left[n] = race_.left_of(nodes_[n].cell, lists_[n].about.area, run(n), lists_[n].sampled,
+            left[n] = race_.left_of(nodes_[n].cell, lists_[n].about.area, run(n), lists_[n].sampled, lists_[n].owned,
                                     [&](auto&& take) { for_each_child(n, [&](std::size_t c) { take(left[c]); }); });
             out[n] = left[n].cell;
         });
@@ -81,6 +81,7 @@ class MoveUp {
     struct List {
         Slice least, run;
         std::uint32_t sampled = 0;  ///< those of its sample that the node has kept
+        std::uint32_t owned = 0;    ///< what it held before
         SampleList about;
     };
 
@@ -138,6 +139,7 @@ class MoveUp {
         for (const std::uint32_t p : own(nodes_[n])) {
             if (holder_[p] == no_holder) kept.push_back(p);
         }
+        l.owned = std::uint32_t(own(nodes_[n]).size());
         l.run = kept_slice(kept, first);
     }
 

@@ -115,12 +115,13 @@ class SampleRace {
         return out;
     }
 
-    /// `run` is what the cell holds after moving; the first `sample` of it are of its sample. Calls visit_children(f)
-    /// for f(LeftOfCell of each child).
+    /// `run` is what the cell holds after moving; the first `sample` of it are of its sample; `owned` lay in the cell
+    /// itself before. Calls visit_children(f) for f(LeftOfCell of each child).
     template <class VisitChildren>
     LeftOfCell left_of(const Cell& cell, double whole_area, std::span<const std::uint32_t> run, std::uint32_t sample,
-                       VisitChildren&& visit_children) const {
+                       std::size_t owned, VisitChildren&& visit_children) const {
         LeftOfCell out;
+        out.cell.is_in_children = owned == 0;
         double sample_area = 0;
         for (const std::uint32_t p : run.first(sample)) sample_area += double(racers_[p].area);
         out.cell.sample_size = sample;
@@ -133,6 +134,7 @@ class SampleRace {
             out.area += child.area;
             out.cell.items += child.cell.items;
             out.cell.fixed += child.cell.fixed;
+            out.cell.is_in_children = out.cell.is_in_children && child.cell.items != 0;
         });
         if (!(whole_area > 0)) return out;
         out.cell.areas_per_side = float(per_side(cell, whole_area));

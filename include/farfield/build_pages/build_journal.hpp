@@ -1,6 +1,7 @@
 // What of a build outside of memory is on the disk already, so that a build that was stopped, by whatever, goes on.
 //
 // Each record is written after all that it tells of. One that is not whole was being written, and ends the journal.
+// What a record tells of may be missing nevertheless, where the machine itself went down: whoever reads it looks.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -74,7 +75,6 @@ class BuildJournal {
         const Head head{identity_, record.bytes().size(), Xxh64::of(record.bytes())};
         bool is_written = std::fwrite(&head, sizeof head, 1, file) == 1 &&
                           std::fwrite(record.bytes().data(), 1, record.bytes().size(), file) == record.bytes().size();
-        is_written = sync_file(file) && is_written;
         is_written = std::fclose(file) == 0 && is_written;
         if (!is_written) refuse_file("build_pages", path_, "cannot be written: is the disk full?");
     }

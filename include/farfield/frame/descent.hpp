@@ -29,10 +29,12 @@
 
 #include "farfield/composition.hpp"
 #include "farfield/frame/instance_stack.hpp"
+#include "farfield/frame/left_out_samples.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/stand_in_choice.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/mixed.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 
 namespace farfield {
@@ -299,15 +301,37 @@ class Descent {
         h.prefetch_data_of(node.first_child);
         const std::size_t own_instances = instances_.size();
         const std::uint32_t own_end = end_of_own_run(h, subtree);
-        if (own_end != node.first_item) gather_items(v, subtree, node.first_item, own_end, law);
+        const std::uint32_t sampled_above =
+            own_end != node.first_item ? leaves_out_from(v, subtree) : subtree.sampled_above;
+        if (own_end != node.first_item && sampled_above == Subtree::no_stand_in) {
+            gather_items(v, subtree, node.first_item, own_end, law);
+        }
         std::size_t next_instance = own_instances;
         for_each_child<traversal_order<typename V::hierarchy_type, R>>(
             h, subtree, v.view.viewpoint(), [&](Subtree& child) {
                 next_instance = draw_gathered(v, next_instance, order_key(v, child.cell.bounds_center));
+                child.sampled_above = sampled_above;
                 visit(v, child, law);
             });
         draw_gathered(v, next_instance, std::numeric_limits<float>::infinity());
         instances_.resize(own_instances);
+    }
+
+    /// The cell from which on no samples are drawn down to the stops in a subtree, if any: itself or one above it.
+    template <class V>
+    std::uint32_t leaves_out_from(V& v, const Subtree& subtree) const {
+        using A = typename V::hierarchy_type::approximation_type;
+        if constexpr (LeavesOutSamples<A> && !Cut::is_limited && R::facts.draws_splats) {
+            if (subtree.sampled_above != Subtree::no_stand_in) return subtree.sampled_above;
+            // Where stand-ins fade, samples that come at once would be a pop.
+            const A& policy = v.hierarchy.approximation_policy();
+            if (v.view.fade == 0 && v.view.wanted.is_any() &&
+                policy.leaves_out_samples(v.view, sources_.largest_splat_px()) &&
+                all_stand_in_below(v, subtree, levels_without_samples)) {
+                return subtree.stand_in;
+            }
+        }
+        return Subtree::no_stand_in;
     }
 
     template <class V>
@@ -411,7 +435,7 @@ class Descent {
 
     template <class V>
     void add_run(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
-        if (weight_ < 0.5f) return;
+        if (weight_ < 1) return add_part_of_run(v, subtree, first, end, law);
         if constexpr (V::hierarchy_type::assignment == Assignment::shared) {
             std::uint32_t begin = first;
             for (std::uint32_t at = first; at < end; ++at) {
@@ -422,6 +446,20 @@ class Descent {
             first = begin;
         }
         if (first != end) sink_.run(v, subtree, first, end, law);
+    }
+
+    /// Primitives come one by one as what they replace fades, each where its place in the hierarchy says, so that more
+    /// of them are more of the same.
+    template <class V>
+    void add_part_of_run(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
+        std::uint32_t begin = first;
+        for (std::uint32_t at = first; at < end; ++at) {
+            const float when = (float(mixed(mixed(v.path, 0x66616465), at) >> 40) + 0.5f) * 0x1p-24f;
+            if (when < weight_ && is_new(v, at)) continue;
+            if (begin != at) sink_.run(v, subtree, begin, at, law);
+            begin = at + 1;
+        }
+        if (begin != end) sink_.run(v, subtree, begin, end, law);
     }
 
     SourceTable<R>& sources_;

@@ -14,6 +14,7 @@
 #include "farfield/approximation.hpp"
 #include "farfield/drawables.hpp"
 #include "farfield/frame/draw_queue.hpp"
+#include "farfield/frame/left_out_samples.hpp"
 #include "farfield/frame/selection.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/subtree.hpp"
@@ -73,11 +74,11 @@ class DrawNow {
                 is_placed = is_placed && policy.places(subtree.cell, v.view, queue_.splat_limit_px());
             }
             if (is_placed) {
-                return queue_.add_placed(v.source, v.view, policy, h.stand_ins()[subtree.stand_in], subtree.cell);
+                return queue_.add_placed(v.source, v.view, policy, stand_in_drawn(h, subtree), subtree.cell);
             }
         }
         const StandInSink<V> sink{*this, v, subtree, queue_.splat_limit_px(), weight};
-        draw_stand_in(h.approximation_policy(), h.stand_ins()[subtree.stand_in], h.pool(), subtree.cell, v.view, sink);
+        draw_stand_in(h.approximation_policy(), stand_in_drawn(h, subtree), h.pool(), subtree.cell, v.view, sink);
     }
     template <class V>
     bool hidden(const V& v, const Subtree& subtree) {
@@ -119,8 +120,10 @@ class DrawNow {
         }
         void operator()(OwnRun run) const {
             const std::uint32_t first = v.hierarchy.nodes()[subtree.node].first_item;
-            const std::uint32_t end = first + std::min(run.count, subtree.end_item - first);
-            if (weight > 0.5f) to.queue_.add_run(v.source, first, end, std::nullopt);
+            const std::uint32_t count = std::min(run.count, subtree.end_item - first);
+            // The first of a sample are a sample (OwnRun).
+            const auto part = std::min(std::uint32_t(std::ceil(float(count) * weight)), count);
+            to.queue_.add_run(v.source, first, first + part, std::nullopt);
         }
     };
 

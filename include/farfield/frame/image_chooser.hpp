@@ -26,6 +26,7 @@
 #include "farfield/approximation.hpp"
 #include "farfield/cost_model.hpp"
 #include "farfield/frame/descent.hpp"
+#include "farfield/frame/image_choice.hpp"
 #include "farfield/frame/kept_images.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/area_law.hpp"
@@ -33,69 +34,24 @@
 
 namespace farfield::detail {
 
-/// Where the viewer will be, from the current frame on, in world units along right, up and forward of its view.
-struct ExpectedPath {
-    glm::vec3 step{0};                   ///< a frame, as in the last one
-    std::span<const glm::vec3> known{};  ///< where it is known: from here to the next frame's eye, the one after, ...
-    static constexpr std::uint32_t farthest = 1024;  ///< frames looked ahead
-
-    /// The displacement after k frames, k >= 1.
-    glm::vec3 after(std::uint32_t k) const {
-        if (known.empty()) return step * float(k);
-        return known[std::min<std::size_t>(k, known.size()) - 1];
-    }
-};
-
-/// The price of drawing triangles that are each so many pixels large: that of small ones, or of large ones where the
-/// cost model has it.
-template <class C>
-float price_of(const C& costs, const Work& work, float each_px) {
-    if constexpr (requires { costs.cost_of_large(work, each_px); }) {
-        return costs.cost_of_large(work, each_px);
-    } else {
-        return costs.cost(work);
-    }
-}
-
-/// The price of making an image, without drawing what it shows: as of drawing it, or as the cost model says.
-template <class C>
-float price_of_making(const C& costs, float texels) {
-    if constexpr (requires { costs.making_cost(texels); }) {
-        return costs.making_cost(texels);
-    } else {
-        return costs.cost({.images = 1, .texels = texels});
-    }
-}
-
-/// A cell that is to get an image, in the coordinates of its hierarchy. `draw` knows their types.
-template <class Maker>
-struct WantedImage {
-    std::uint32_t cell = 0;
-    const void* hierarchy = nullptr;
-    const void* primitives = nullptr;
-    std::size_t primitive_count = 0;
-    LocalView view;
-    Subtree subtree;
-    ImageRect rect;
-    int slices = 1;
-    float contents_price = 0;  ///< of drawing what the picture shows of it, by images below that are kept
-    float whole_price = 0;     ///< of drawing all of it
-    float making_price = 0;    ///< of making the image, that included
-    std::uint32_t lives = 1;   ///< frames that it will serve
-    bool is_new = false;       ///< the cell was not looked at in the last frame: it may be hidden
-    void (*draw)(Maker&, const WantedImage&, const LocalView& image_view) = nullptr;
-};
-
 /// A descent's sink. `Maker` gets what is wanted: maker.draw_contents(hierarchy, primitives, view, path, subtree).
 template <class Maker>
 class ImageChooser {
   public:
     static constexpr bool keeps_images = true;
 
-    /// `renewals` are images that are good, and will not be for long.
     ImageChooser(KeptImages& kept, const ImageCacheOptions& options, const ExpectedPath& path,
-                 std::vector<WantedImage<Maker>>& wanted, std::vector<WantedImage<Maker>>& renewals)
-        : kept_(kept), options_(options), path_(path), wanted_(wanted), renewals_(renewals) {}
+                 ImageChoice<Maker>& choice)
+        : kept_(kept),
+          options_(options),
+          path_(path),
+          wanted_(choice.wanted),
+          renewals_(choice.renewals),
+          open_(choice.open) {
+        wanted_.clear();
+        renewals_.clear();
+        open_.clear();
+    }
 
     /// What drawing the frame costs without making images, in the unit of the cost model.
     float price() const { return float(present_price_); }
@@ -160,7 +116,7 @@ class ImageChooser {
 
     template <class V>
     void end_cell(const V& v, const Subtree& subtree) {
-        const Open open = open_.back();
+        const OpenCell open = open_.back();
         open_.pop_back();
         KeptCell& cell = kept_.cell(open.cell);
         if (!chooses(v, subtree, open)) {
@@ -171,13 +127,6 @@ class ImageChooser {
     }
 
   private:
-    struct Open {
-        std::uint32_t cell;
-        double price, present_price, whole_price, usual_making;
-        std::size_t images, wanted, renewals;
-        bool is_new;
-    };
-
     /// Within the part of its life by which it may be made early. Motion decides, not age: whoever stands still needs
     /// no new image.
     template <class V>
@@ -225,7 +174,7 @@ class ImageChooser {
 
     /// "amortizedCost < cost to draw contents" (UpdateNode). If so the cell is wanted, and nothing below it.
     template <class V>
-    bool chooses(const V& v, const Subtree& subtree, const Open& open) {
+    bool chooses(const V& v, const Subtree& subtree, const OpenCell& open) {
         const auto contents = float(price_ - open.price), whole = float(whole_price_ - open.whole_price);
         const Cell& cell = subtree.cell;
         const LocalView& view = v.view;
@@ -319,7 +268,7 @@ class ImageChooser {
     const ImageCacheOptions& options_;
     const ExpectedPath& path_;
     std::vector<WantedImage<Maker>>&wanted_, &renewals_;
-    std::vector<Open> open_;  ///< cells begun and not ended
+    std::vector<OpenCell>& open_;
     /// Of what has been priced so far: with the images that are wanted, their making spread over their lives; as it
     /// would be drawn if none were made; and without any images.
     double price_ = 0, present_price_ = 0, whole_price_ = 0;

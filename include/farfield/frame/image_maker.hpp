@@ -7,103 +7,22 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 #include <limits>
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "farfield/drawables.hpp"
 #include "farfield/frame/descent.hpp"
-#include "farfield/frame/draw_now.hpp"
 #include "farfield/frame/draw_queue.hpp"
+#include "farfield/frame/draw_with_images.hpp"
 #include "farfield/frame/image_chooser.hpp"
 #include "farfield/frame/instance_stack.hpp"
 #include "farfield/frame/kept_images.hpp"
 #include "farfield/frame/source_table.hpp"
-#include "farfield/geometry/length.hpp"
 #include "farfield/view.hpp"
 
 namespace farfield::detail {
-
-/// A descent's sink that draws at once, and cells by images where there are some. In a frame these are the ones chosen;
-/// in an image, those of cells below that are good enough to be seen through two: their error is inherited, so it may
-/// be half the threshold, and the image is good only inside the spheres in which theirs stays so. ("The safety zone of
-/// an interior node is computed by [...] taking the intersection of this safety zone with the safety zones of the
-/// children.")
-template <class R>
-class DrawWithImages : public DrawNow<R> {
-  public:
-    static constexpr bool keeps_images = true;
-
-    DrawWithImages(R& renderer, DrawQueue<R>& queue, KeptImages& kept, const ImageCacheOptions& options,
-                   bool is_in_image)
-        : DrawNow<R>(renderer, queue, tint_),
-          renderer_(renderer),
-          queue_(queue),
-          kept_(kept),
-          options_(options),
-          is_in_image_(is_in_image) {}
-
-    template <class V>
-    bool hidden(const V& v, const Subtree& subtree) {
-        const bool is_hidden = DrawNow<R>::hidden(v, subtree);
-        if (is_hidden && !is_in_image_) {
-            if (KeptCell* cell = kept_.find({v.path, subtree.node})) cell->hidden_frame = kept_.frame();
-        }
-        return is_hidden;
-    }
-    template <class V>
-    CellDrawn begin_cell(const V& v, const Subtree& subtree) {
-        const KeptCell* cell = kept_.find({v.path, subtree.node});
-        if (cell == nullptr) return CellDrawn::as_contents;  // cells above those with images are known
-        const CellImage* image = kept_.image_of(*cell);
-        if (image != nullptr && (is_in_image_ ? may_be_in_image(v, *image) : is_drawn(v, *cell, *image))) {
-            queue_.flush(v.source);
-            for (int i = 0; i < image->slices; ++i) quads_[std::size_t(i)] = image->quad(i);
-            renderer_.draw(std::span<const ImageQuad>(quads_.data(), std::size_t(image->slices)));
-            ++images_;
-            return CellDrawn::by_image;
-        }
-        const bool has_parts = cell->parts_frame == kept_.frame() || cell->hidden_frame + 1 == kept_.frame();
-        return has_parts ? CellDrawn::in_parts : CellDrawn::as_contents;
-    }
-    void end_cell(const auto&, const Subtree&) {}
-
-    std::size_t images() const { return images_; }
-    float inherited_radius() const { return inherited_radius_; }
-
-  private:
-    template <class V>
-    bool is_drawn(const V& v, const KeptCell& cell, const CellImage& image) const {
-        if (cell.drawn_frame == kept_.frame()) return true;
-        // Nothing was chosen of what had been hidden.
-        return cell.drawn_frame != 0 && cell.hidden_frame + 1 == kept_.frame() && is_good(image, v.view, options_);
-    }
-    template <class V>
-    bool may_be_in_image(const V& v, const CellImage& image) {
-        if (image.is_of_images || image.slices > 1) return false;
-        const float half = sine_of_pixels(0.5f * options_.threshold_px, v.view);
-        const float radius =
-            options_.is_conservative ? conservative_radius(image.place, half) : safety_radius(image.place, half);
-        const float left = radius - length_of(v.view.eye - image.place.eye);
-        if (!(left > 0) || !is_good(image, v.view, options_, 0.5f)) return false;
-        inherited_radius_ = std::min(inherited_radius_, left * v.view.scale);
-        return true;
-    }
-
-    static constexpr AsTheyAre tint_{};
-    R& renderer_;
-    DrawQueue<R>& queue_;
-    KeptImages& kept_;
-    const ImageCacheOptions& options_;
-    bool is_in_image_;
-    std::size_t images_ = 0;
-    float inherited_radius_ = std::numeric_limits<float>::infinity();  ///< world units
-    std::array<ImageQuad, ImageCacheOptions::most_slices> quads_;
-};
 
 /// A viewer's own, with all that it keeps of images. Borrows the renderer and the table of sources.
 template <class R>
@@ -132,16 +51,15 @@ class ImageMaker {
         deposits_ = deposits;
         options_ = &options;
         kept_.begin_frame();
-        wanted_.clear();
-        renewals_.clear();
+        kept_.end_fades(options.fade_frames, [&](std::uint32_t handle) { renderer_.free_image(handle); });
         stats_ = {};
-        ImageChooser<ImageMaker> chooser(kept_, options, path, wanted_, renewals_);
+        ImageChooser<ImageMaker> chooser(kept_, options, path, choice_);
         Descent<R, ImageChooser<ImageMaker>> descent(sources_, instances, stats_, chooser, deposits);
         descent.enter(hierarchy, primitives, view, 0);
         float overhead = options.most_overhead * chooser.price();
         float making = 0;
         std::size_t made = 0;
-        for (const WantedImage<ImageMaker>& wanted : wanted_) {
+        for (const WantedImage<ImageMaker>& wanted : choice_.wanted) {
             const float more = std::max(0.0f, wanted.making_price - wanted.contents_price);
             const float after = making + wanted.making_price;
             if (made == options.most_made || more > overhead || after > options.most_making) continue;
@@ -159,9 +77,9 @@ class ImageMaker {
             return kept_.image_of(kept_.cell(w.cell))->made_frame;
         };
         const float usual = std::min(chooser.usual_making(), options.most_making);
-        std::sort(renewals_.begin(), renewals_.end(),
+        std::sort(choice_.renewals.begin(), choice_.renewals.end(),
                   [&](const auto& a, const auto& b) { return std::pair(age(a), a.cell) < std::pair(age(b), b.cell); });
-        for (const WantedImage<ImageMaker>& wanted : renewals_) {
+        for (const WantedImage<ImageMaker>& wanted : choice_.renewals) {
             if (made == options.most_made || making + wanted.making_price > usual) continue;
             // What is still good is not given up for what has no room.
             if (kept_.bytes() + bytes_of(wanted) > options.budget_bytes || !make(wanted)) continue;
@@ -197,8 +115,15 @@ class ImageMaker {
     bool make(const WantedImage<ImageMaker>& wanted) {
         KeptCell& cell = kept_.cell(wanted.cell);
         const auto free_handle = [&](std::uint32_t handle) { renderer_.free_image(handle); };
-        if (cell.image != KeptCell::no_image) kept_.forget(cell, free_handle);
         const std::uint64_t bytes = bytes_of(wanted);
+        if (cell.image != KeptCell::no_image) {
+            const bool was_seen = cell.drawn_frame + 1 >= kept_.frame();
+            if (options_->fade_frames > 0 && was_seen && kept_.bytes() + bytes <= options_->budget_bytes) {
+                kept_.fade(cell, free_handle);
+            } else {
+                kept_.forget(cell, free_handle);
+            }
+        }
         if (!kept_.make_room(bytes, options_->budget_bytes, free_handle)) return false;
         CellImage image = planned_image(wanted.view, wanted.subtree.cell.bounds_center, wanted.subtree.cell.bounds_half,
                                         wanted.rect, wanted.slices);
@@ -272,7 +197,7 @@ class ImageMaker {
     FrameStats stats_;  ///< nobody reads what choosing and making count
     DrawQueue<R> queue_;
     KeptImages kept_;
-    std::vector<WantedImage<ImageMaker>> wanted_, renewals_;
+    ImageChoice<ImageMaker> choice_;
     const ImageCacheOptions* options_ = nullptr;
     InstanceStack* instances_ = nullptr;
     bool deposits_ = false;

@@ -100,6 +100,8 @@ class SourceTable {
     explicit SourceTable(R& renderer) : renderer_(renderer) {
         if constexpr (R::facts.tells_lifetime) renderer_lifetime_ = renderer.lifetime();
     }
+    /// The renderer's.
+    float largest_splat_px() const requires(R::facts.draws_splats) { return renderer_.largest_splat_px(); }
     /// Takes over what another renderer's table has checked and uploaded. Returns false, and does nothing, if the
     /// renderers do not share sources or have different lights.
     bool add_all_of(const SourceTable& other) {

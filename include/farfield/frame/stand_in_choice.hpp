@@ -74,9 +74,6 @@ bool may_stand_in(const E& e, const Subtree& subtree) {
 /// How much of a cell that may stand in is what replaces it (View::fade).
 template <class E>
 float part_replaced(const E& e, const Subtree& subtree) {
-    const Node& node = e.hierarchy.nodes()[subtree.node];
-    // What is drawn by primitives alone comes at once.
-    if (node.stand_in_levels_below == Node::nothing_below || node.stand_in_levels_below == 0) return 0;
     const float error = stand_in_error_px(e, subtree);
     const float tolerance = cell_tolerance(e.view, e.path, name_of_node(e, subtree)),
                 first = tolerance * (1 - e.view.fade);

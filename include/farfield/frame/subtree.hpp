@@ -24,8 +24,10 @@ struct Subtree {
 
     Cell cell;
     std::uint32_t node = 0;
-    std::uint32_t end_item = 0;               ///< its positions end here; they begin with the node's own run
-    std::uint32_t stand_in = no_stand_in;     ///< index into the hierarchy's stand_ins()
+    std::uint32_t end_item = 0;            ///< its positions end here; they begin with the node's own run
+    std::uint32_t stand_in = no_stand_in;  ///< index into the hierarchy's stand_ins()
+    /// Of an ancestor, if no sample is drawn from there down to here (left_out_samples.hpp).
+    std::uint32_t sampled_above = no_stand_in;
     PlaneMask crossed_planes = all_planes;    ///< those of the view that its bounds may cross
     PlaneMask crossed_borders = all_borders;  ///< those of a tile
 
@@ -44,6 +46,26 @@ concept PagedAtRunTime = requires(const H& h, Subtree& subtree, const Node& node
     { h.items_below(node) } -> std::same_as<std::uint32_t>;
     { h.follow(subtree, 1.0f) } -> std::same_as<bool>;
     h.expect(node, 1.0f);
+};
+
+/// The time during which pages are looked at and waited for, whatever frames do otherwise.
+template <class H>
+class WaitingFrame {
+  public:
+    explicit WaitingFrame(H& pages) : pages_(pages), waits_(pages.waits_for_pages()) {
+        pages_.wait_for_pages(true);
+        pages_.begin_frame();
+    }
+    ~WaitingFrame() {
+        pages_.end_frame();
+        pages_.wait_for_pages(waits_);
+    }
+    WaitingFrame(const WaitingFrame&) = delete;
+    WaitingFrame& operator=(const WaitingFrame&) = delete;
+
+  private:
+    H& pages_;
+    bool waits_;
 };
 
 template <class H>

@@ -267,9 +267,9 @@ class PageCache {
     std::size_t buffer_bytes(std::uint32_t pages) const {
         return pages > 1 ? std::size_t(pages) * places_.page_bytes : 0;
     }
-    std::size_t bytes_of(std::uint64_t slots) const {
-        const std::size_t tables = PageSlots::bytes(places_.page_count, slots) + places_.page_count * sizeof(State);
-        return tables + std::size_t(slots) * places_.page_bytes + sizeof(Line) +
+    std::size_t bytes_of(std::uint64_t slot_count) const {
+        const std::size_t tables = PageSlots::bytes(places_.page_count, slot_count) + places_.page_count * sizeof(State);
+        return tables + std::size_t(slot_count) * places_.page_bytes + sizeof(Line) +
                std::max(threads_wanted_, 1u) * buffer_bytes(pages_a_read_);
     }
     std::uint32_t slots_within() const {

@@ -9,6 +9,7 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -78,6 +79,7 @@ class PagedHierarchy {
     /// Whether frames wait for pages instead of drawing something coarser: for pictures, not for walks. It counts for
     /// copies that are made afterwards too.
     void wait_for_pages(bool waits) { waits_ = waits; }
+    bool waits_for_pages() const { return waits_; }
 
     // What a descent asks.
 
@@ -134,6 +136,13 @@ class PagedHierarchy {
         if (to.unit >= header.unit_count || subtree.cell.depth >= most_levels_in_files) return false;
         enter_unit(subtree, slot, to.unit);
         return true;
+    }
+    /// The page that a position lies in, and which of its primitives is there.
+    std::array<std::uint32_t, 2> place_in_file(std::uint32_t position) const {
+        const std::size_t byte = std::size_t(position) * sizeof(P), begin = byte / page_bytes() * page_bytes();
+        const detail::PageHeader& header = header_at(begin);
+        const std::size_t items = begin + Records::layout(header.node_count, header.stand_in_count, 0).items;
+        return {header.number, std::uint32_t((byte - items) / sizeof(P))};
     }
     /// Asks for the contents of a node that frames to come may draw.
     void expect(const Node& portal, float weight) const { user_.expect(detail::portal_of(portal).page, weight); }
@@ -225,6 +234,16 @@ std::string wrong_page_file(std::span<const std::byte> bytes, PageFileHeader& he
 }
 
 }  // namespace detail
+
+/// Whether what a source holds says that it is a file of pages of H over P: for programs that know several.
+template <Pageable H, PageablePrimitive P, PageSource S>
+bool holds_pages_of(S& source) {
+    detail::PageFileHeader header;
+    if (source.size() < sizeof header) return false;
+    const auto bytes = std::as_writable_bytes(std::span(&header, 1));
+    return source.read(0, bytes).status == ReadStatus::done && header.magic == detail::page_file_magic &&
+           header.records == detail::page_records<H, P>();
+}
 
 /// Opens a file of pages from any source, which the result and its copies share; `where` names it in messages. H and P
 /// are what it was made of. Reads its header and first page. A source that can be canceled is when the last copy goes.

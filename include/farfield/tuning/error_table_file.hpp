@@ -20,6 +20,7 @@
 
 #include "farfield/cost_model/price_file.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/geometry/mixed.hpp"
 #include "farfield/tuning/error_table.hpp"
 
 namespace farfield {
@@ -36,21 +37,39 @@ std::string as_text(Number number) {
     return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
 }
 
-/// What tells hierarchies apart: their primitives, cells and stand-ins.
-template <class H>
-std::string name_of_hierarchy(const H& hierarchy) {
-    return as_text(hierarchy.fingerprint()) + " " + as_text(hierarchy.nodes().size()) + " " +
-           as_text(hierarchy.stand_ins().size());
-}
-
 }  // namespace detail
+
+/// What tells hierarchies apart: the primitives, how they are approximated, and how many cells and stand-ins there are.
+struct HierarchyIdentity {
+    std::uint64_t fingerprint = 0, approximation = 0, cells = 0, stand_ins = 0;
+
+    template <class H>
+    static HierarchyIdentity of(const H& hierarchy) {
+        HierarchyIdentity identity{hierarchy.fingerprint(), 0, hierarchy.nodes().size(), hierarchy.stand_ins().size()};
+        if constexpr (requires { H::approximation_type::facts.file_tag; }) {
+            identity.approximation = H::approximation_type::facts.file_tag;
+        }
+        return identity;
+    }
+    /// Makes it the identity of several: of a hierarchy and of those that are placed in it, in an order that is kept.
+    void add(const HierarchyIdentity& other) {
+        fingerprint = detail::mixed(fingerprint, other.fingerprint);
+        approximation = detail::mixed(approximation, other.approximation);
+        cells += other.cells;
+        stand_ins += other.stand_ins;
+    }
+    std::string as_text() const {
+        return detail::as_text(fingerprint) + " " + detail::as_text(approximation) + " " + detail::as_text(cells) +
+               " " + detail::as_text(stand_ins);
+    }
+};
 
 /// Writes text, one tolerance a line: "2 0.0431 0.52" are pixels, root mean square error and cost in parts of exact's.
 /// Throws std::runtime_error if it cannot be written.
-template <class H>
-void write_error_table(const ErrorTable& table, const H& hierarchy, const std::filesystem::path& path) {
+inline void write_error_table(const ErrorTable& table, const HierarchyIdentity& hierarchy,
+                              const std::filesystem::path& path) {
     std::string text = "# farfield: what pictures of a hierarchy err by and cost, by tolerance\n";
-    text += "hierarchy " + detail::name_of_hierarchy(hierarchy) + "\n";
+    text += "hierarchy " + hierarchy.as_text() + "\n";
     text += "least_saving " + detail::as_text(table.least_saving()) + "\n";
     text += "# tolerance_px rmse cost\n";
     for (const ToleranceTrial& t : table.trials()) {
@@ -61,12 +80,15 @@ void write_error_table(const ErrorTable& table, const H& hierarchy, const std::f
         detail::fail<std::runtime_error>("farfield::write_error_table: " + path.string() + ": cannot be written");
     }
 }
+template <class H>
+void write_error_table(const ErrorTable& table, const H& hierarchy, const std::filesystem::path& path) {
+    write_error_table(table, HierarchyIdentity::of(hierarchy), path);
+}
 
 /// Reads what write_error_table() wrote, to the last bit. Empty lines and those that start with # do not count. Throws
 /// std::runtime_error, "farfield::read_error_table: FILE:LINE: reason", for a line that is none of a table, for
 /// numbers that make none, and for the table of another hierarchy.
-template <class H>
-ErrorTable read_error_table(const H& hierarchy, const std::filesystem::path& path) {
+inline ErrorTable read_error_table(const HierarchyIdentity& hierarchy, const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) detail::refuse_table(path.string(), "cannot be opened");
     bool is_known = false;
@@ -89,7 +111,7 @@ ErrorTable read_error_table(const H& hierarchy, const std::filesystem::path& pat
         if (word == "hierarchy") {
             std::string name;
             while (!(word = detail::next_word(line)).empty()) name += (name.empty() ? "" : " ") + std::string(word);
-            if (name != detail::name_of_hierarchy(hierarchy)) {
+            if (name != hierarchy.as_text()) {
                 refuse("it was measured for another hierarchy; measure_error_table() measures this one");
             }
             is_known = true;
@@ -109,6 +131,10 @@ ErrorTable read_error_table(const H& hierarchy, const std::filesystem::path& pat
     if (!is_known) detail::refuse_table(path.string(), "does not say of which hierarchy it is");
     if (const char* const why = ErrorTable::obstacle(trials, least_saving)) detail::refuse_table(path.string(), why);
     return ErrorTable(std::move(trials), least_saving);
+}
+template <class H>
+ErrorTable read_error_table(const H& hierarchy, const std::filesystem::path& path) {
+    return read_error_table(HierarchyIdentity::of(hierarchy), path);
 }
 
 }  // namespace farfield

@@ -264,3 +264,21 @@ TEST_CASE("triangles without an area cover no sample", "[approximation]") {
         for (int axis = 0; axis < 3; ++axis) CHECK(masks.count(axis) == 0);
     }
 }
+
+TEST_CASE("masks are the same by vectors of any width", "[approximation]") {
+    Random random(64);
+    for (int i = 0; i < 4000; ++i) {
+        // From a hundredth of the box to several times as large, and now and then exactly along its samples.
+        const float reach = std::exp2(random.between(-6, 2));
+        const glm::vec3 middle = random.in_cube(1.2f);
+        glm::vec3 corners[3];
+        for (glm::vec3& v : corners) {
+            v = middle + random.in_cube(reach);
+            if (i % 3 == 0) v = glm::round(v * 16.0f) * (1.0f / 16);
+        }
+        AxisMasks one_by_four, one_by_eight;
+        one_by_four.add(unit_box, corners, Simd::four_lanes);
+        one_by_eight.add(unit_box, corners, Simd::eight_lanes);
+        REQUIRE(one_by_four == one_by_eight);
+    }
+}

@@ -117,6 +117,12 @@ class SampleBlocks {
         if (++b.fills >= 8) refresh(at);
     }
 
+    /// The same, where many have: a bound is worth what it takes.
+    FARFIELD_INLINE void filled_much(std::size_t at, float nearest) {
+        blocks_[at].nearest = std::max(blocks_[at].nearest, nearest);
+        refresh(at);
+    }
+
     struct Sample {
         float depth;
         Rgba8 color;

@@ -25,6 +25,7 @@
 #include "farfield/raster/sample_projection.hpp"
 #include "farfield/raster/samples/depth_tested_fill.hpp"
 #include "farfield/raster/samples/far_deposits.hpp"
+#include "farfield/raster/samples/image_block_fill.hpp"
 #include "farfield/raster/samples/image_fill.hpp"
 #include "farfield/raster/samples/kept_image.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
@@ -49,6 +50,7 @@ class ZBufferCanvas {
           side_(checked_samples_a_side(options.samples, renderer)),
           triage_(triage_function<false>(options.simd)),
           triage_small_(triage_function<true>(options.simd)),
+          image_fill_(image_block_fill(options.simd)),
           light_(options.light) {}
 
     const ZBufferOptions& options() const { return options_; }
@@ -156,7 +158,7 @@ class ZBufferCanvas {
         for (const ImageQuad& quad : quads) {
             SampleBuffers& buffers = is_sliced() ? slices_.at(q_of_center(quad)) : buffers_;
             buffers.begin_far();
-            ImageFill(projection_, buffers).add(quad, images_[quad.image - 1]);
+            ImageFill(projection_, buffers, image_fill_).add(quad, images_[quad.image - 1]);
         }
     }
 
@@ -245,6 +247,7 @@ class ZBufferCanvas {
     const char* renderer_;
     int side_;
     TriageFunction triage_, triage_small_;
+    ImageBlockFill image_fill_;
     LightInView light_;
     SampleProjection projection_;
     SampleBuffers buffers_;
