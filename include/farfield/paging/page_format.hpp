@@ -126,8 +126,9 @@ inline bool is_portal(const Node& node) {
     return node.child_mask == 0 && node.first_child != 0;
 }
 inline Portal portal_of(const Node& node) {
+    const float items = std::bit_cast<float>(node.first_child_data & 0xffff0000u);
     return {node.first_child - 1, node.first_child_data & 0xffffu,
-            std::uint32_t(std::bit_cast<float>(node.first_child_data & 0xffff0000u))};
+            items >= 0 && items < 0x1p32f ? std::uint32_t(items) : 0u};  // a forger may have written anything
 }
 /// What a frame needs to know of a node while its page is missing is kept.
 inline Node portal_to(const Portal& to, const Node& node) {
