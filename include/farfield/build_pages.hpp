@@ -599,7 +599,8 @@ void join_page_shares(const std::filesystem::path& path, std::uint32_t share_cou
 /// `path` by one goes into the next. `path` itself is only there when all of it is.
 ///
 /// Throws std::invalid_argument that names a primitive which cannot be built from, as build() does, or where the stream
-/// does not keep to that; std::runtime_error that names the file if the disk is too small or fails; BuildCanceled.
+/// does not keep to that, or if one cell by itself holds more than 64 MiB; std::runtime_error that names the file if
+/// the disk is too small or fails; BuildCanceled.
 template <BuildsInParts H, PageablePrimitive P, OrthographicSampler Sampler = GridSampler, class Stream>
 void build_pages(Stream&& stream, const std::filesystem::path& path, const PageBuildOptions<H, Sampler>& options = {}) {
     detail::PageBuilder<H, P, Sampler> builder(path, options);

@@ -425,7 +425,7 @@ TEST_CASE("a server that goes and comes back") {
 
 TEST_CASE("pages on a server are drawn as those in memory, coarser while it is away, and whole when it is back") {
     using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
-    const Triangles scene = test::mixed_triangles(20000, 7);
+    const test::Triangles scene = test::mixed_triangles(20000, 7);
     const auto h = build<Tensors>(scene);
     const auto bytes = paged<Tensors, Triangle>(h, scene, {.page_bytes = 4096});
     const HttpServer::Answer pages_file =

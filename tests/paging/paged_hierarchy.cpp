@@ -478,7 +478,7 @@ TEST_CASE("The more memory, the smaller the error on a walk, down to none") {
     const Scene& scene = mixed_scene();
     const auto alone = opened(scene.bytes);
     std::vector<Image> expected;
-    for (int step = 0; step < 30; ++step) expected.push_back(waiting_picture(alone, view_on_walk(step)));
+    for (int step = 0; step < 15; ++step) expected.push_back(waiting_picture(alone, view_on_walk(2 * step)));
     const std::uint64_t working_set = alone.cache_stats().resident;
     std::vector<double> errors;
     for (const std::uint64_t percent : {5u, 10u, 25u, 50u, 100u, 110u}) {
@@ -488,9 +488,9 @@ TEST_CASE("The more memory, the smaller the error on a walk, down to none") {
         ZBufferRenderer renderer;
         auto viewer = make_viewer(pages, renderer);
         double sum = 0;
-        for (int step = 0; step < 30; ++step) {
-            const View v = view_on_walk(step);
-            for (int i = 0; i < 8; ++i) {  // a page leads to the next
+        for (int step = 0; step < 15; ++step) {
+            const View v = view_on_walk(2 * step);
+            for (int i = 0; i < 6; ++i) {  // a page leads to the next
                 viewer.frame(v);
                 pages.load_wanted();
             }
