@@ -31,8 +31,8 @@ struct RendererFacts {
     /// It keeps nothing of sources that change (Source::changes), for which upload() gives it a number and no more, and
     /// reads their primitives whenever it draws them. Not needed where it keeps no sources.
     bool draws_changing_sources = false;
-    bool shares_sources = false;    ///< std::uint32_t share(const R& other, id): upload what another has uploaded
-    bool tells_lifetime = false;    ///< std::weak_ptr<const void> lifetime() const: expires when the renderer goes
+    bool shares_sources = false;  ///< std::uint32_t share(const R& other, id): upload what another has uploaded
+    bool tells_lifetime = false;  ///< std::weak_ptr<const void> lifetime() const: expires when the renderer goes
     bool tells_light =
         false;  ///< std::optional<DirectionalLight> light() const: what primitives get and stand-ins have
     bool draws_faces = false;     ///< draw(std::span<const Face>)

@@ -14,9 +14,9 @@ enum class BuildPhase : std::uint8_t {
     splitting,  ///< `done` of `total` primitives, or pieces of them, lie in their last cell; there may come more
     sampling,   ///< `done` of `total` groups of cells have been looked at for their stand-ins
     // Of builds outside of memory (build_pages.hpp), which tell of primitives.
-    reading,   ///< `total` is not known, and 0
+    reading,  ///< `total` is not known, and 0
     counting,
-    moving,    ///< to where those near them lie
+    moving,  ///< to where those near them lie
     building
 };
 

@@ -58,8 +58,9 @@ class SourceSlots {
     template <class P, class... Options>
     std::uint32_t upload(const Source<P>& source, const Options&... options) {
         // What changes is told by where it lies.
-        const std::uint64_t contents =
-            source.changes ? mixed(0x706167, std::uint64_t(std::uintptr_t(source.primitives.data()))) : contents_of(source);
+        const std::uint64_t contents = source.changes
+                                           ? mixed(0x706167, std::uint64_t(std::uintptr_t(source.primitives.data())))
+                                           : contents_of(source);
         if (const auto found = slot_of_.find(contents); found != slot_of_.end()) {
             ++slots_[found->second].users;
             return found->second;
