@@ -45,8 +45,11 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     struct stand_in_data {
         typename Inner::stand_in_data inner;
         std::uint16_t left = 65535, sample = 0;  ///< SampledCell's, of 65535
-        std::uint32_t sample_size : 31 = 0;      ///< `all`: few more than it, which are drawn too
-        std::uint32_t is_in_children : 1 = 0;    ///< SampledCell's
+        std::uint32_t packed = 0;                ///< no bit-fields, which cannot be stored
+
+        /// `all`: few more than it, which are drawn too.
+        std::uint32_t sample_size() const { return packed & 0x7fffffffu; }
+        bool is_in_children() const { return packed >> 31 != 0; }  ///< SampledCell's
     };
     static constexpr ApproximationFacts facts{
         .accepts = Assignment::unique,
@@ -80,12 +83,12 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     stand_in_data finish(const Cell& cell, const stand_in_draft& d) const { return {inner.finish(cell, d)}; }
     stand_in_data sampled(const stand_in_data& data, SampledCell cell) const {
         const auto part = [](float f) { return std::uint16_t(f * 65535 + 0.5f); };
-        stand_in_data out{data.inner, part(cell.left), 0, 0, cell.is_in_children};
+        stand_in_data out{data.inner, part(cell.left), 0, cell.is_in_children ? 0x80000000u : 0u};
         if (cell.areas_per_side > most_areas_for_sample) return out;
         out.sample = part(cell.sample);
         // A deposit is about as much work as eight triangles (TriangleCount).
         const bool pays = cell.fixed != 0 || cell.items > cell.sample_size + 8;
-        out.sample_size = pays ? cell.sample_size & all : all;
+        out.packed |= pays ? cell.sample_size & all : all;
         return out;
     }
 
@@ -116,7 +119,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     bool leaves_out_samples(const LocalView& view, float splat_limit_px) const {
         return !(draws_samples(view) && splat_limit_px < 1);
     }
-    bool is_in_children(const stand_in_data& data) const { return data.is_in_children != 0; }
+    bool is_in_children(const stand_in_data& data) const { return data.is_in_children(); }
     /// A sample is drawn evenly from all that lies in a cell: cells above have drawn as much of what lies in a part.
     stand_in_data with_left_of(const stand_in_data& data, const stand_in_data& above) const {
         stand_in_data out = data;
@@ -127,9 +130,9 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
 
     template <class Sink>
     void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
-        const bool with_sample = !leaves_out_samples(view, sink.splat_limit_px) && data.sample_size != 0;
-        if (with_sample) sink(OwnRun{data.sample_size});
-        if (with_sample && data.sample_size == all) return;
+        const bool with_sample = !leaves_out_samples(view, sink.splat_limit_px) && data.sample_size() != 0;
+        if (with_sample) sink(OwnRun{data.sample_size()});
+        if (with_sample && data.sample_size() == all) return;
         const unsigned left = with_sample ? data.left - data.sample : data.left;
         if (left == 0) return;
         const Rest<std::remove_reference_t<Sink>> rest{sink, sink.splat_limit_px, 1 - float(left) / 65535};
