@@ -268,7 +268,8 @@ class PageCache {
         return pages > 1 ? std::size_t(pages) * places_.page_bytes : 0;
     }
     std::size_t bytes_of(std::uint64_t slot_count) const {
-        const std::size_t tables = PageSlots::bytes(places_.page_count, slot_count) + places_.page_count * sizeof(State);
+        const std::size_t tables =
+            PageSlots::bytes(places_.page_count, slot_count) + places_.page_count * sizeof(State);
         return tables + std::size_t(slot_count) * places_.page_bytes + sizeof(Line) +
                std::max(threads_wanted_, 1u) * buffer_bytes(pages_a_read_);
     }
