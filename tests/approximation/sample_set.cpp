@@ -106,8 +106,8 @@ TEST_CASE("a stop draws its cell's sample where it is asked to, and nothing else
         coarse.largest_splat = 2;  // one sample a pixel
         make_viewer(h, triangles, coarse).frame(far);
         CHECK(coarse.draws.empty());
-        CHECK(recorder.draws.size() == (own ? h.stand_ins()[0].sample_size : 0));
-        CHECK(h.stand_ins()[0].sample_size >= 14);
+        CHECK(recorder.draws.size() == (own ? h.stand_ins()[0].sample_size() : 0));
+        CHECK(h.stand_ins()[0].sample_size() >= 14);
     }
 }
 

@@ -42,16 +42,14 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     float most_areas_for_sample = 1.75f;
 
     using stand_in_draft = typename Inner::stand_in_draft;
-    static constexpr std::uint32_t all = 0x7fffffff;  ///< that lies below the cell
-    static constexpr std::uint32_t in_children = 0x80000000;
     struct stand_in_data {
         typename Inner::stand_in_data inner;
         std::uint16_t left = 65535, sample = 0;  ///< SampledCell's, of 65535
-        /// `all`: few more than it, which are drawn too. The bit `in_children` says SampledCell::is_in_children: files
-        /// take no bit-fields.
-        std::uint32_t sample_size_and_bit = 0;
+        std::uint32_t packed = 0;                ///< no bit-fields, which cannot be stored
 
-        std::uint32_t sample_size() const { return sample_size_and_bit & all; }
+        /// `all`: few more than it, which are drawn too.
+        std::uint32_t sample_size() const { return packed & 0x7fffffffu; }
+        bool is_in_children() const { return packed >> 31 != 0; }  ///< SampledCell's
     };
     static constexpr ApproximationFacts facts{
         .accepts = Assignment::unique,
@@ -85,12 +83,12 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     stand_in_data finish(const Cell& cell, const stand_in_draft& d) const { return {inner.finish(cell, d)}; }
     stand_in_data sampled(const stand_in_data& data, SampledCell cell) const {
         const auto part = [](float f) { return std::uint16_t(f * 65535 + 0.5f); };
-        stand_in_data out{data.inner, part(cell.left), 0, cell.is_in_children ? in_children : 0u};
+        stand_in_data out{data.inner, part(cell.left), 0, cell.is_in_children ? 0x80000000u : 0u};
         if (cell.areas_per_side > most_areas_for_sample) return out;
         out.sample = part(cell.sample);
         // A deposit is about as much work as eight triangles (TriangleCount).
         const bool pays = cell.fixed != 0 || cell.items > cell.sample_size + 8;
-        out.sample_size_and_bit |= pays ? cell.sample_size & all : all;
+        out.packed |= pays ? cell.sample_size & all : all;
         return out;
     }
 
@@ -121,7 +119,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     bool leaves_out_samples(const LocalView& view, float splat_limit_px) const {
         return !(draws_samples(view) && splat_limit_px < 1);
     }
-    bool is_in_children(const stand_in_data& data) const { return (data.sample_size_and_bit & in_children) != 0; }
+    bool is_in_children(const stand_in_data& data) const { return data.is_in_children(); }
     /// A sample is drawn evenly from all that lies in a cell: cells above have drawn as much of what lies in a part.
     stand_in_data with_left_of(const stand_in_data& data, const stand_in_data& above) const {
         stand_in_data out = data;
@@ -175,6 +173,8 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     }
 
   private:
+    static constexpr std::uint32_t all = std::numeric_limits<std::uint32_t>::max() >> 1;  ///< that lies below the cell
+
     bool draws_samples(const LocalView& view) const { return view.tolerance_px <= samples_up_to_px; }
 
     /// An Inner may change its data itself, for a part of its areas that has been drawn.
