@@ -160,11 +160,12 @@ class PageBuilder {
     void read_bounds(Stream& stream) {
         Fingerprint fingerprint;
         auto whole = decltype(primitive_traits<P>::bounds(std::declval<const P&>()))::empty();
-        std::uint64_t count = 0;
+        std::uint64_t count = 0, contents = 0;
         stream([&](const P& p) {
             const auto b = checked_bounds(p, std::size_t(count));
             whole.add(b);
             fingerprint.add(Fingerprint::part(std::size_t(count), b));
+            contents = mixed(contents, Xxh64::of(std::as_bytes(std::span(&p, 1))));
             if (++count % reported_each == 0) control_.report(BuildPhase::reading, std::size_t(count), 0);
         });
         check_primitive_count(std::size_t(count));
@@ -184,7 +185,7 @@ class PageBuilder {
         }
         facts().root = options_.build.partition.root(bounds_of_root(facts(), options_.build.world));
         tell_light<A>(options_.build.sampler, facts());
-        plan_.identity = identity();
+        plan_.identity = mixed(identity(), contents);
     }
     std::uint64_t identity() const {
         std::uint64_t hash = mixed(plan_.facts.fingerprint, plan_.facts.primitive_count);
@@ -194,6 +195,7 @@ class PageBuilder {
               bytes_of(options_.build.cost_model)}) {
             hash = mixed(hash, Xxh64::of(bytes));
         }
+        if constexpr (MadeOfNumbers<Sampler>) hash = mixed(hash, Xxh64::of(bytes_of(options_.build.sampler)));
         return mixed(mixed(hash, plan_.most_items), options_.page_bytes);
     }
 

@@ -158,6 +158,9 @@ class Descent {
             }
         }
         if constexpr (PagedAtRunTime<typename V::hierarchy_type>) {
+            // Pages are not loaded for what cannot be seen.
+            const Node& portal = h.nodes()[subtree.node];
+            if (h.is_portal(portal) && is_hidden(v, subtree, h.items_below(portal))) return;
             if (!is_there(v, subtree)) {
                 ++stats_.cells_missing;
                 return draw_stand_in(v, subtree);
@@ -173,12 +176,7 @@ class Descent {
             }
         }
         const std::uint32_t items = subtree.end_item - node.first_item;
-        if constexpr (R::facts.answers_hidden) {
-            if (items >= min_items_for_occlusion_query && !visits_all<V>() && sink_.hidden(v, subtree)) {
-                ++stats_.cells_hidden;
-                return;
-            }
-        }
+        if (!PagedAtRunTime<typename V::hierarchy_type> && is_hidden(v, subtree, items)) return;
         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in && may_draw_whole<V> &&
                       !PagedAtRunTime<typename V::hierarchy_type>) {
             if (is_cheaper_exactly(v, subtree)) {
@@ -197,6 +195,18 @@ class Descent {
             }
         }
         visit_contents(v, subtree, node, items, law, /*has_images_below=*/false);
+    }
+
+    /// Whether a subtree of so many items cannot be seen, as far as the renderer knows.
+    template <class V>
+    bool is_hidden(V& v, const Subtree& subtree, std::uint32_t items) {
+        if constexpr (R::facts.answers_hidden) {
+            if (items >= min_items_for_occlusion_query && !visits_all<V>() && sink_.hidden(v, subtree)) {
+                ++stats_.cells_hidden;
+                return true;
+            }
+        }
+        return false;
     }
 
     /// What replaces a stand-in is drawn as well where it fades.

@@ -58,6 +58,7 @@ class WaitingFrame {
     }
     ~WaitingFrame() {
         pages_.end_frame();
+        pages_.forget();
         pages_.wait_for_pages(waits_);
     }
     WaitingFrame(const WaitingFrame&) = delete;

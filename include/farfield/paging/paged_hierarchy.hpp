@@ -148,6 +148,8 @@ class PagedHierarchy {
     void expect(const Node& portal, float weight) const { user_.expect(detail::portal_of(portal).page, weight); }
     void begin_frame() const { user_.begin_frame(); }
     void end_frame() const { user_.end_frame(); }
+    /// Nothing that it has looked at is kept for it any more.
+    void forget() const { user_.forget(); }
     bool is_in_frame() const { return user_.is_in_frame(); }
 
   private:
