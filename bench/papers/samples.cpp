@@ -281,7 +281,7 @@ void wrong_cells() {
                 if (s.kind == Selected::Kind::stand_in) {
                     stops.push_back(s.subtree);
                     first = h.nodes()[s.subtree.node].first_item;
-                    end = first + std::min(h.stand_ins()[s.subtree.stand_in].sample_size, s.subtree.end_item - first);
+                    end = first + std::min(h.stand_ins()[s.subtree.stand_in].sample_size(), s.subtree.end_item - first);
                 }
                 std::fill(is_drawn.begin() + first, is_drawn.begin() + end, char(1));
             });
