@@ -49,15 +49,15 @@ inline ReadResult changed_page_file(const std::string& name, std::string_view ho
 #if FARFIELD_READS_BY_PREAD
 
 /// Closes what it holds.
-class Descriptor {
+class PageFileDescriptor {
   public:
-    explicit Descriptor(int number) : number_(number) {}
-    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-    Descriptor& operator=(Descriptor&& other) noexcept {
+    explicit PageFileDescriptor(int number) : number_(number) {}
+    PageFileDescriptor(PageFileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+    PageFileDescriptor& operator=(PageFileDescriptor&& other) noexcept {
         std::swap(number_, other.number_);
         return *this;
     }
-    ~Descriptor() {
+    ~PageFileDescriptor() {
         if (number_ >= 0) ::close(number_);
     }
     int number() const { return number_; }
@@ -131,7 +131,7 @@ class PositionedFile {
     }
 
     std::string name_;
-    Descriptor descriptor_;
+    PageFileDescriptor descriptor_;
     Opened opened_;
 };
 
