@@ -80,7 +80,7 @@ class SmallSubtrees {
     /// that were added and all above them.
     std::size_t put_in_level_order(std::vector<Draft>& drafts, BuildReport& report) {
         std::size_t count = drafts.size(), levels = 0;
-        for (const Below& below : tasks_) {
+        for (const NodesBelow& below : tasks_) {
             count += below.nodes.size();
             report.splits_that_would_not_pay += below.report.splits_that_would_not_pay;
             report.cells_at_depth_limit += below.report.cells_at_depth_limit;
@@ -122,7 +122,7 @@ class SmallSubtrees {
         std::uint32_t task = 0;
     };
     /// What roots of one task have below them. Children of a cell lie in a row.
-    struct Below {
+    struct NodesBelow {
         std::vector<Draft> nodes;
         BuildReport report;
     };
@@ -136,7 +136,7 @@ class SmallSubtrees {
 
         /// Items are moved between two places, from level to level.
         template <class Decide>
-        Draft split(Draft node, Item* from, Item* to, const Decide& decide, Below& below) {
+        Draft split(Draft node, Item* from, Item* to, const Decide& decide, NodesBelow& below) {
             targets.resize(std::max(targets.size(), node.count));
             const std::span<const Item> items(from, node.count);
             const CellDecision d = decide(node, items, std::span(targets).first(node.count));
@@ -178,7 +178,7 @@ class SmallSubtrees {
 
     std::vector<Root> roots_;
     std::size_t items_ = 0;
-    std::vector<Below> tasks_;
+    std::vector<NodesBelow> tasks_;
 };
 
 }  // namespace farfield::detail
