@@ -57,7 +57,7 @@ float height_of_ground(float x, float z) {
 /// A tenth of all triangles is ground.
 TriangleStream landscape_stream(std::uint64_t triangles) {
     auto kinds = std::make_shared<std::vector<std::vector<VertexColoredTriangle>>>();
-    for (const std::uint64_t seed : {1, 2, 3}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         kinds->push_back(tree({.seed = seed, .triangles = 20'000}).groups.back().triangles);
     }
     return [kinds, triangles](const std::function<void(const PagedPrimitive&)>& take) {
