@@ -114,7 +114,7 @@ class PageCache {
     PageCache(const PageCache&) = delete;
     PageCache& operator=(const PageCache&) = delete;
 
-    const std::byte* memory() const { return memory_[0].bytes; }
+    const std::byte* memory() const { return reinterpret_cast<const std::byte*>(memory_.get()); }
     std::size_t memory_bytes() const { return std::size_t(slots_.slot_count()) * places_.page_bytes; }
     const PagePlaces& places() const { return places_; }
 
@@ -288,7 +288,8 @@ class PageCache {
     }
 
     std::span<std::byte> memory_of(std::uint32_t slot) {
-        return {memory_[0].bytes + std::size_t(slot) * places_.page_bytes, places_.page_bytes};
+        return {reinterpret_cast<std::byte*>(memory_.get()) + std::size_t(slot) * places_.page_bytes,
+                places_.page_bytes};
     }
     bool may_load(std::uint32_t page) {
         if (states_[page] != State::idle || slots_.is_resident(page)) return false;
