@@ -85,9 +85,11 @@ class FileInPlace {
     FileInPlace(const FileInPlace&) = delete;
     FileInPlace& operator=(const FileInPlace&) = delete;
 
+    /// Nothing of it is left in this process: a kill right afterwards loses none of it.
     void write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
         seek(offset);
-        if (!bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) refuse_to_write();
+        const bool is_written = std::fwrite(bytes.data(), 1, bytes.size(), file_) == bytes.size();
+        if (!is_written || std::fflush(file_) != 0) refuse_to_write();
     }
     void read_at(std::uint64_t offset, std::span<std::byte> bytes) {
         seek(offset);
