@@ -94,3 +94,11 @@ TEST_CASE("the first primitive that nothing can be made of is named, and why") {
           "farfield: primitive 1 makes the scene's extent overflow single precision");
     CHECK(refusal({at({3e37, 0, 0}), at({-3e37, 0, 0})}).empty());
 }
+
+TEST_CASE("the work of a scene is counted past what a float can count by ones") {
+    detail::WorkSum sum;
+    for (int i = 0; i < 20'000'000; ++i) sum.add({.triangles = 1, .runs = 0.5f});
+    CHECK(sum.total().triangles == 20e6f);
+    CHECK(sum.total().runs == 10e6f);
+    CHECK(sum.total().faces == 0);
+}

@@ -78,7 +78,7 @@ tested_by(approximation/image_cache frame/image_chooser raster/samples/kept_imag
 tested_by(build/cell_splitter build/build_node build/cell_decision build/small_subtrees)
 tested_by(build/move_up build/sample_race)
 tested_by(update build/cell_tree build/kept_cells build/kept_stand_ins build/version_before)
-tested_by(spatial_hierarchy build/hierarchy_builder geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
+tested_by(spatial_hierarchy build/hierarchy_builder build/stand_in_drafter build/freeze build/idle_nodes geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
 tested_by(renderer/z_buffer_renderer raster/render_options)
 # Parts that mean little by themselves are tested by what they are parts of, mostly against brute force.
 tested_by(build/polygon_splitter build/polygon_subtree geometry/fragments)

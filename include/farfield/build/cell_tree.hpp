@@ -248,8 +248,9 @@ class CellTree : KeptStandIns<H, P, Sampler> {
     void tell_facts(HierarchyFacts& facts) const {
         facts.primitive_count = facts.report.primitives = items_.size();
         facts.fingerprint = fingerprint_.of(items_.size());
-        facts.work = {};
-        for (const P& p : primitives_) facts.work += work_of(p);
+        WorkSum work;
+        for (const P& p : primitives_) work.add(work_of(p));
+        facts.work = work.total();
         facts.root_has_stand_in = twigs_[0].has_stand_in ? 1u : 0u;
         const Tally& t = twigs_[0].tally;
         BuildReport& r = facts.report;

@@ -3,6 +3,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -56,6 +57,23 @@ std::pair<Item, Work> read_item(const P& primitive, std::size_t index, const C& 
     return {item, work};
 }
 
+/// The work of many primitives. A sum of floats stands still at 2^24; this one does not depend on the order either,
+/// where work is counted in whole units.
+class WorkSum {
+  public:
+    void add(const Work& w) {
+        const std::array<float, 7> counts{w.triangles, w.faces, w.splats, w.images, w.texels, w.cells, w.runs};
+        for (std::size_t kind = 0; kind < counts.size(); ++kind) sums_[kind] += double(counts[kind]);
+    }
+    Work total() const {
+        return {float(sums_[0]), float(sums_[1]), float(sums_[2]), float(sums_[3]),
+                float(sums_[4]), float(sums_[5]), float(sums_[6])};
+    }
+
+  private:
+    std::array<double, 7> sums_{};
+};
+
 inline void add_bounds(Box& all, const Box& bounds, std::size_t index) {
     all.add(bounds);
     if (!all.is_finite() || !std::isfinite(4 * all.largest_side()))
@@ -104,12 +122,14 @@ void read_primitives(std::span<const P> primitives, const C& cost, const BoxD& w
     }
     facts.fingerprint = fingerprint.of(primitives.size());
     facts.origin = origin_of<P>(whole, world);
+    WorkSum work_of_all;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
         const auto [item, work] = read_item(primitives[i], i, cost, facts.origin);
         add_bounds(facts.bounds, item.bounds, i);
-        facts.work += work;
+        work_of_all.add(work);
         take(item);
     }
+    facts.work = work_of_all.total();
     facts.primitive_count = primitives.size();
     facts.report.primitives = primitives.size();
 }
