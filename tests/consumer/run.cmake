@@ -25,6 +25,11 @@ set(configure
     -DCMAKE_CXX_FLAGS_RELEASE=-O0
     "-Dglm_DIR=${GLM_DIRECTORY}")
 
+set(GLM_FLAGS)
+foreach(directory IN LISTS GLM_INCLUDE)
+  list(APPEND GLM_FLAGS "-I${directory}")
+endforeach()
+
 # CMake puts the configuration's name between only for generators that hold several.
 function(build_and_run)
   run("${CMAKE_COMMAND}" --build "${build}" --config "${CONFIG}")
@@ -57,6 +62,28 @@ elseif(MODE STREQUAL "install")
 elseif(MODE STREQUAL "package")
   run(${configure} "-DCMAKE_PREFIX_PATH=${prefix}" -DFARFIELD_REQUESTED_VERSION=0.1)
   build_and_run()
+elseif(MODE STREQUAL "pkg_config")
+  find_program(pkg_config NAMES pkg-config pkgconf NO_CACHE)
+  if(NOT pkg_config)
+    message(STATUS "skipped: there is no pkg-config")
+    return()
+  endif()
+  set(ENV{PKG_CONFIG_PATH} "${prefix}/share/pkgconfig")
+  execute_process(
+    COMMAND "${pkg_config}" --cflags farfield
+    OUTPUT_VARIABLE flags
+    OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  run("${COMPILER}" -std=c++20 -fsyntax-only ${flags} ${GLM_FLAGS} "${CMAKE_CURRENT_LIST_DIR}/main.cpp")
+elseif(MODE STREQUAL "single_header")
+  find_program(bash bash NO_CACHE)
+  if(NOT bash)
+    message(STATUS "skipped: there is no bash")
+    return()
+  endif()
+  file(MAKE_DIRECTORY "${build}/farfield")
+  run("${bash}" "${SOURCE_DIRECTORY}/.packaging/single_header.sh" farfield/farfield.hpp "${build}/farfield/farfield.hpp")
+  run("${COMPILER}" -std=c++20 -fsyntax-only "-I${build}" ${GLM_FLAGS} "${SOURCE_DIRECTORY}/examples/quickstart.cpp")
 elseif(MODE STREQUAL "refused_versions")
   foreach(version IN ITEMS 0.0 0.1.999 0.2 1.0)
     file(REMOVE_RECURSE "${build}")
