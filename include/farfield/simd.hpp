@@ -9,6 +9,13 @@
 
 #include <cstdint>
 
+// What kernels call beyond the compilers' own vectors. A processor of 32 bits may have four lanes of it.
+#if defined(__x86_64__)
+#include <immintrin.h>
+#elif defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace farfield {
 
 /// How many lanes of 32 bits a kernel uses; all compute the same bits. If the kernel or the processor has fewer, the

@@ -8,10 +8,6 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 #include "farfield/approximation.hpp"
 #include "farfield/approximation/opacity_tensor/stored_tensor.hpp"
 #include "farfield/approximation/placed/placed_splats.hpp"

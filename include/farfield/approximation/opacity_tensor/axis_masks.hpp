@@ -15,10 +15,6 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 #include "farfield/geometry/box.hpp"
 #include "farfield/simd.hpp"
 

@@ -7,10 +7,6 @@
 
 #include "farfield/settings.hpp"
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 #include <algorithm>
 #include <array>
 #include <bit>
