@@ -210,6 +210,8 @@ int main(int argc, char** argv) {
         const auto tree = scenes::tree({}).groups.back().triangles;
         pops<OpacityTensor>("a tree, opacity tensors", tree);
         pops<ColorCube>("a tree, color cubes", tree);
+        pops<SampleSet<OpacityTensor>>("a tree, sample tree", tree);
+        pops<SampleSet<AreaSplat>>("a tree, sample tree, splats", tree);
     }
     if (!wants_time && !wants_error) return 0;
     const scenes::Scene scene = scenes::island(is_quick ? 120 : 480);
