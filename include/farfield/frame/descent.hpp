@@ -334,8 +334,8 @@ class Descent {
         using A = typename V::hierarchy_type::approximation_type;
         if constexpr (LeavesOutSamples<A> && !Cut::is_limited && R::facts.draws_splats) {
             if (subtree.is_without_samples) return 0;
-            if (v.view.wanted.is_any() && v.hierarchy.approximation_policy().leaves_out_samples(
-                                              v.view, sources_.largest_splat_px())) {
+            if (v.view.wanted.is_any() &&
+                v.hierarchy.approximation_policy().leaves_out_samples(v.view, sources_.largest_splat_px())) {
                 return part_opened_below(v, subtree, levels_without_samples);
             }
         }

@@ -36,8 +36,7 @@ float part_opened_below(const E& e, const Subtree& subtree, unsigned levels);
 /// What is drawn of a cell that is not in cells of at most `levels` below it that stand in, as a part of it.
 template <class E>
 float part_opened(const E& e, const Subtree& subtree, unsigned levels) {
-    const float replaced =
-        subtree.has_stand_in() && e.view.tolerance_px > 0 ? part_replaced(e, subtree) : 1.0f;
+    const float replaced = subtree.has_stand_in() && e.view.tolerance_px > 0 ? part_replaced(e, subtree) : 1.0f;
     if (levels == 0 || replaced == 0) return replaced;
     return std::min(replaced, part_opened_below(e, subtree, levels));
 }
