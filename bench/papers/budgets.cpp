@@ -2,7 +2,7 @@
 // budget, and how the error falls as it grows; and the largest pop on 600 frames of a dolly over 64 times the distance,
 // 200 x 200 at 16 samples, with tolerances of 2 pixels that all cells share and with their own.
 //
-//     bench_budgets [--quick] [PART...]        parts: time error pops
+//     bench_budgets [--quick] [PART...]        parts: time error chart pops
 //
 // Prices are measured on twelve views beside the path, before the first frame. Times are the processor's,
 // of each frame the least of five.
@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "accuracy/chart/views.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/approximation/sample_set.hpp"
@@ -27,6 +28,7 @@
 #include "farfield/partition/octree.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
+#include "scenes/catalog.hpp"
 #include "scenes/generate/island.hpp"
 #include "scenes/generate/tree.hpp"
 #include "scenes/placed_scene.hpp"
@@ -142,6 +144,46 @@ void frames(const char* name, const scenes::Scene& scene, bool wants_time, bool 
     }
 }
 
+/// How often the error rises with the budget from where the chart looks at its scenes, by prices that are no
+/// measurement, so that every run draws the same. Pictures are compared at one sample a pixel, as they are drawn.
+template <class A>
+void chart(const char* name, const std::vector<std::string>& names) {
+    using H = SpatialHierarchy<Octree, A, TriangleCount>;
+    int views = 0, falls = 0, falls_nearly = 0;
+    std::string rises;
+    for (const std::string& scene_name : names) {
+        const scenes::Scene scene = scenes::make(scene_name);
+        const scenes::PlacedScene<H> placed(
+            scene, [](std::size_t) { return Octree{}; }, A{});
+        const auto viewer = placed.viewer({.samples = 1});
+        const Box bounds = scenes::bounds(scene);
+        for (const double distance : {1.75, 3.5, 7.0, 14.0, 28.0, 56.0}) {
+            View view = view_from(bounds, scene.up, distance, 30, 256);
+            view.tolerance_px = 0;
+            viewer->frame(view);
+            const Image exact = viewer->image();
+            double last = INFINITY, most = 0;
+            for (const double budget_ms : {0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 1e6}) {
+                viewer->frame_within({.most = budget_ms * 1e6}, view);
+                const double error = std::sqrt(mse(viewer->image(), exact));
+                if (error > last) most = std::max(most, error / last - 1);
+                last = error;
+            }
+            ++views;
+            falls += most == 0;
+            falls_nearly += most <= 0.02;
+            if (most > 0.02) {
+                char text[64];
+                std::snprintf(text, sizeof text, " %s from %g: +%.0f %%;", scene_name.c_str(), distance, 100 * most);
+                rises += text;
+            }
+        }
+    }
+    std::printf("| %s, views of the chart in which the error falls | %d of %d, or rises by 2 %% at most: %d |%s |\n",
+                name, falls, views, falls_nearly, rises.c_str());
+    std::fflush(stdout);
+}
+
 /// What a change of levels alone does to a frame: the same camera, with the tolerance that makes the last frame's cut
 /// and with its own. A moving picture changes by more, and an error that moves with the object is no pop.
 template <class A>
@@ -190,7 +232,7 @@ void pops(const char* name, const std::vector<VertexColoredTriangle>& triangles)
 int main(int argc, char** argv) {
     using namespace farfield;
     using namespace farfield::bench;
-    bool wants_time = false, wants_error = false, wants_pops = false;
+    bool wants_time = false, wants_error = false, wants_chart = false, wants_pops = false;
     for (int i = 1; i < argc; ++i) {
         if (std::strcmp(argv[i], "--quick") == 0) {
             is_quick = true;
@@ -198,18 +240,32 @@ int main(int argc, char** argv) {
             wants_time = true;
         } else if (std::strcmp(argv[i], "error") == 0) {
             wants_error = true;
+        } else if (std::strcmp(argv[i], "chart") == 0) {
+            wants_chart = true;
         } else if (std::strcmp(argv[i], "pops") == 0) {
             wants_pops = true;
         } else {
-            std::fprintf(stderr, "bench_budgets: no part %s; there are time error pops\n", argv[i]);
+            std::fprintf(stderr, "bench_budgets: no part %s; there are time error chart pops\n", argv[i]);
             return 2;
         }
     }
-    if (!wants_time && !wants_error && !wants_pops) wants_time = wants_error = wants_pops = true;
+    if (!wants_time && !wants_error && !wants_chart && !wants_pops) {
+        wants_time = wants_error = wants_chart = wants_pops = true;
+    }
     if (wants_pops) {
         const auto tree = scenes::tree({}).groups.back().triangles;
         pops<OpacityTensor>("a tree, opacity tensors", tree);
         pops<ColorCube>("a tree, color cubes", tree);
+        pops<SampleSet<OpacityTensor>>("a tree, sample tree", tree);
+        pops<SampleSet<AreaSplat>>("a tree, sample tree, splats", tree);
+    }
+    if (wants_chart) {
+        std::vector<std::string> names{"tree", "forest"};
+        if (!is_quick) names.insert(names.end(), {"island", "building"});
+        chart<OpacityTensor>("opacity tensors", names);
+        chart<ColorCube>("color cubes", names);
+        chart<SampleSet<OpacityTensor>>("sample tree", names);
+        chart<SampleSet<AreaSplat>>("sample tree, splats", names);
     }
     if (!wants_time && !wants_error) return 0;
     const scenes::Scene scene = scenes::island(is_quick ? 120 : 480);

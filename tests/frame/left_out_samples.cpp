@@ -56,7 +56,7 @@ TEST_CASE("every primitive is drawn, or lies in a cell that stands in", "[frame]
                 continue;
             }
             stand_ins.push_back(s.subtree.cell.box());
-            left_out += s.subtree.sampled_above != Subtree::no_stand_in;
+            left_out += s.subtree.left_out != 0;
             for (std::uint32_t at = h.nodes()[s.subtree.node].first_item; at < s.subtree.end_item; ++at) {
                 is_drawn[h.order()[at]] = 2;
             }

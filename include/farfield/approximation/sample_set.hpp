@@ -120,11 +120,13 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         return !(draws_samples(view) && splat_limit_px < 1);
     }
     bool is_in_children(const stand_in_data& data) const { return data.is_in_children(); }
+    /// In parts of 65535.
+    float left(const stand_in_data& data) const { return float(data.left); }
     /// A sample is drawn evenly from all that lies in a cell: cells above have drawn as much of what lies in a part.
-    stand_in_data with_left_of(const stand_in_data& data, const stand_in_data& above) const {
+    stand_in_data with_more_left(const stand_in_data& data, float more) const {
         stand_in_data out = data;
-        out.left = above.left;
-        out.sample = std::min(data.sample, above.left);
+        out.left = std::uint16_t(std::clamp(float(data.left) + more + 0.5f, 0.0f, 65535.0f));
+        out.sample = std::min(data.sample, out.left);
         return out;
     }
 

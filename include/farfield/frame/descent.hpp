@@ -311,37 +311,47 @@ class Descent {
         h.prefetch_data_of(node.first_child);
         const std::size_t own_instances = instances_.size();
         const std::uint32_t own_end = end_of_own_run(h, subtree);
-        const std::uint32_t sampled_above =
-            own_end != node.first_item ? leaves_out_from(v, subtree) : subtree.sampled_above;
-        if (own_end != node.first_item && sampled_above == Subtree::no_stand_in) {
+        const float sampled = own_end != node.first_item ? part_sampled(v, subtree) : 1;
+        if (own_end != node.first_item && sampled != 0) {
+            const float all = std::exchange(weight_, weight_ * sampled);
             gather_items(v, subtree, node.first_item, own_end, law);
+            weight_ = all;
         }
         std::size_t next_instance = own_instances;
         for_each_child<traversal_order<typename V::hierarchy_type, R>>(
             h, subtree, v.view.viewpoint(), [&](Subtree& child) {
                 next_instance = draw_gathered(v, next_instance, order_key(v, child.cell.bounds_center));
-                child.sampled_above = sampled_above;
+                tell_what_is_left_out(v, subtree, child, sampled);
                 visit(v, child, law);
             });
         draw_gathered(v, next_instance, std::numeric_limits<float>::infinity());
         instances_.resize(own_instances);
     }
 
-    /// The cell from which on no samples are drawn down to the stops in a subtree, if any: itself or one above it.
+    /// How much of a subtree's own run is drawn before its children.
     template <class V>
-    std::uint32_t leaves_out_from(V& v, const Subtree& subtree) const {
+    float part_sampled(const V& v, const Subtree& subtree) const {
         using A = typename V::hierarchy_type::approximation_type;
         if constexpr (LeavesOutSamples<A> && !Cut::is_limited && R::facts.draws_splats) {
-            if (subtree.sampled_above != Subtree::no_stand_in) return subtree.sampled_above;
-            // Where stand-ins fade, samples that come at once would be a pop.
-            const A& policy = v.hierarchy.approximation_policy();
-            if (v.view.fade == 0 && v.view.wanted.is_any() &&
-                policy.leaves_out_samples(v.view, sources_.largest_splat_px()) &&
-                all_stand_in_below(v, subtree, levels_without_samples)) {
-                return subtree.stand_in;
+            if (subtree.is_without_samples) return 0;
+            if (v.view.wanted.is_any() &&
+                v.hierarchy.approximation_policy().leaves_out_samples(v.view, sources_.largest_splat_px())) {
+                return part_opened_below(v, subtree, levels_without_samples);
             }
         }
-        return Subtree::no_stand_in;
+        return 1;
+    }
+    template <class V>
+    static void tell_what_is_left_out(const V& v, const Subtree& subtree, Subtree& child, float sampled) {
+        using A = typename V::hierarchy_type::approximation_type;
+        if constexpr (LeavesOutSamples<A> && !Cut::is_limited && R::facts.draws_splats) {
+            child.left_out = subtree.left_out;
+            child.is_without_samples = sampled == 0;
+            if (sampled == 1 || !child.has_stand_in()) return;
+            const A& policy = v.hierarchy.approximation_policy();
+            const auto left = [&](const Subtree& s) { return policy.left(v.hierarchy.stand_ins()[s.stand_in]); };
+            child.left_out += (1 - sampled) * (left(subtree) - left(child));
+        }
     }
 
     template <class V>

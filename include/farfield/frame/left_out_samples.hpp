@@ -5,6 +5,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <concepts>
 
 #include "farfield/approximation.hpp"
@@ -16,38 +17,51 @@
 namespace farfield::detail {
 
 /// leaves_out_samples() says whether polygons as small as the view's tolerance are noise; is_in_children() what
-/// SampledCell says; with_left_of(data, above) is the stand-in of a cell of which samples were drawn down to a cell
-/// above alone.
+/// SampledCell says, and left() its `left`, in whatever unit. with_more_left(data, more) is the stand-in of a cell of
+/// which samples above have drawn less by that.
 template <class A>
 concept LeavesOutSamples = requires(const A& a, const typename A::stand_in_data& data, const LocalView& view) {
     { a.leaves_out_samples(view, 0.0f) } -> std::same_as<bool>;
     { a.is_in_children(data) } -> std::same_as<bool>;
-    { a.with_left_of(data, data) } -> std::same_as<typename A::stand_in_data>;
+    { a.left(data) } -> std::same_as<float>;
+    { a.with_more_left(data, 0.0f) } -> std::same_as<typename A::stand_in_data>;
 };
 
 /// Levels above stops at which samples are left out. A level has a quarter of what the one below holds.
 inline constexpr unsigned levels_without_samples = 2;
 
-/// Whether all that lies in a cell is in cells of at most `levels` below it that stand in, or is out of sight.
 template <class E>
-bool all_stand_in_below(const E& e, const Subtree& subtree, unsigned levels) {
+float part_opened_below(const E& e, const Subtree& subtree, unsigned levels);
+
+/// What is drawn of a cell that is not in cells of at most `levels` below it that stand in, as a part of it.
+template <class E>
+float part_opened(const E& e, const Subtree& subtree, unsigned levels) {
+    const float replaced = subtree.has_stand_in() && e.view.tolerance_px > 0 ? part_replaced(e, subtree) : 1.0f;
+    if (levels == 0 || replaced == 0) return replaced;
+    return std::min(replaced, part_opened_below(e, subtree, levels));
+}
+
+/// The largest of these parts of cells below one that are in sight: 0 where all that lies in it stands in, 1 where
+/// some of it does not, and between where stand-ins fade. It is continuous in the view, as they are.
+template <class E>
+float part_opened_below(const E& e, const Subtree& subtree, unsigned levels) {
     const auto& h = e.hierarchy;
     const auto& policy = h.approximation_policy();
     const Node& node = h.nodes()[subtree.node];
     if constexpr (PagedAtRunTime<typename E::hierarchy_type>) {
-        if (h.is_portal(node)) return false;  // what lies elsewhere may be missing
+        if (h.is_portal(node)) return 1;  // what lies elsewhere may be missing
     }
-    if (!subtree.has_stand_in() || node.child_mask == 0) return false;
-    if (!policy.is_in_children(h.stand_ins()[subtree.stand_in])) return false;
+    if (!subtree.has_stand_in() || node.child_mask == 0) return 1;
+    if (!policy.is_in_children(h.stand_ins()[subtree.stand_in])) return 1;
     if constexpr (E::hierarchy_type::approximation_type::facts.bounds_error) {
-        if (policy.least_error_px(subtree.cell, levels, e.view) > e.view.tolerance_px) return false;
+        if (policy.least_error_px(subtree.cell, levels, e.view) > e.view.tolerance_px) return 1;
     }
-    bool all = true;
+    float part = 0;
     for_each_child<VisitOrder::any>(h, subtree, e.view.viewpoint(), [&](Subtree& child) {
-        if (!all || is_outside(e.view.planes, child)) return;
-        all = may_stand_in(e, child) || (levels > 1 && all_stand_in_below(e, child, levels - 1));
+        if (part == 1 || is_outside(e.view.planes, child)) return;
+        part = std::max(part, part_opened(e, child, levels - 1));
     });
-    return all;
+    return part;
 }
 
 /// The stand-in that a subtree has, as it is drawn.
@@ -57,8 +71,8 @@ decltype(auto) stand_in_drawn(const H& h, const Subtree& subtree) {
     const auto& data = h.stand_ins()[subtree.stand_in];
     if constexpr (LeavesOutSamples<A>) {
         using Data = typename A::stand_in_data;
-        if (subtree.sampled_above == Subtree::no_stand_in) return Data(data);
-        return Data(h.approximation_policy().with_left_of(data, h.stand_ins()[subtree.sampled_above]));
+        if (subtree.left_out == 0) return Data(data);
+        return Data(h.approximation_policy().with_more_left(data, subtree.left_out));
     } else {
         return (data);
     }

@@ -26,8 +26,10 @@ struct Subtree {
     std::uint32_t node = 0;
     std::uint32_t end_item = 0;            ///< its positions end here; they begin with the node's own run
     std::uint32_t stand_in = no_stand_in;  ///< index into the hierarchy's stand_ins()
-    /// Of an ancestor, if no sample is drawn from there down to here (left_out_samples.hpp).
-    std::uint32_t sampled_above = no_stand_in;
+    /// By how much less of it samples above have drawn than its stand-in says, and that none is drawn in it
+    /// (left_out_samples.hpp).
+    float left_out = 0;
+    bool is_without_samples = false;
     PlaneMask crossed_planes = all_planes;    ///< those of the view that its bounds may cross
     PlaneMask crossed_borders = all_borders;  ///< those of a tile
 

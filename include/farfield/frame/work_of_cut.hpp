@@ -4,13 +4,16 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <utility>
 
 #include "farfield/approximation.hpp"
 #include "farfield/drawables.hpp"
@@ -22,6 +25,7 @@
 #include "farfield/hierarchy/node.hpp"
 #include "farfield/partition.hpp"
 #include "farfield/primitive.hpp"
+#include "farfield/view/frustum.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield::detail {
@@ -46,6 +50,44 @@ inline float seen_px(const LocalView& view, glm::vec2 lower, glm::vec2 upper) {
     const glm::vec2 middle = 0.5f * whole * glm::vec2(view.whole_off_center);
     const glm::vec2 size = glm::min(upper, middle + 0.5f * whole) - glm::max(lower, middle - 0.5f * whole);
     return size.x > 0 && size.y > 0 ? size.x * size.y : 0.0f;
+}
+
+/// Pixels that a face covers, by what the view's planes leave of it: of one beside the eye a bounding rectangle would
+/// be most of the picture.
+inline float seen_px(const LocalView& view, const Face& face) {
+    const unsigned axis = face.side / 2u, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    std::array<glm::vec3, 4 + plane_count> corners{}, cut{};
+    for (unsigned i = 0; i < 4; ++i) {
+        corners[i] = face.lower;
+        corners[i][int(u)] = i == 1 || i == 2 ? face.upper[int(u)] : face.lower[int(u)];
+        corners[i][int(v)] = i >= 2 ? face.upper[int(v)] : face.lower[int(v)];
+    }
+    std::size_t count = 4;
+    for (const glm::vec4& plane : view.planes) {
+        const auto height = [&](glm::vec3 p) { return glm::dot(glm::vec3(plane), p) + plane.w; };
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const glm::vec3 from = corners[i], to = corners[i + 1 < count ? i + 1 : 0];
+            const float here = height(from), there = height(to);
+            if (here >= 0) cut[kept++] = from;
+            if ((here >= 0) != (there >= 0) && kept < cut.size())
+                cut[kept++] = glm::mix(from, to, here / (here - there));
+        }
+        std::swap(corners, cut);
+        count = kept;
+    }
+    const auto at = [&](glm::vec3 p) {
+        const glm::vec3 d = p - view.eye;
+        const float depth = view.is_perspective ? std::max(glm::dot(d, view.forward), view.near_depth) : 1.0f;
+        return glm::vec2(glm::dot(d, view.right), glm::dot(d, view.up)) * view.squeeze * (view.focal_px / depth);
+    };
+    float twice = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec2 a = at(corners[i]), b = at(corners[i + 1 < count ? i + 1 : 0]);
+        twice += a.x * b.y - b.x * a.y;
+    }
+    const float px = 0.5f * std::abs(twice), whole = float(view.part.whole_width) * float(view.part.whole_height);
+    return px <= whole ? px : px > whole ? whole : 0.0f;
 }
 
 /// What boxes cover, flat ones too, about: as much as their silhouettes have from afar; of boxes that cross a side of
@@ -84,9 +126,7 @@ struct CoverageSink {
     float& px;
     float splat_limit_px = 0;
 
-    void operator()(const Face& face) const {
-        px += covered_px(view, 0.5f * (face.lower + face.upper), 0.5f * glm::abs(face.upper - face.lower), false);
-    }
+    void operator()(const Face& face) const { px += seen_px(view, face); }
     void operator()(const Splat& splat) const {
         const glm::vec3 d = splat.center - view.eye;
         const float depth = view.is_perspective ? glm::dot(d, view.forward) : 1.0f;
