@@ -119,11 +119,9 @@ class ImageChooser {
         const OpenCell open = open_.back();
         open_.pop_back();
         KeptCell& cell = kept_.cell(open.cell);
-        if (!chooses(v, subtree, open)) {
-            if (images_ != open.images) cell.parts_frame = kept_.frame();
-            return;
-        }
-        images_ = open.images + 1;
+        // Also where it is chosen: its image may not be made in this frame, or be made from those below.
+        if (images_ != open.images) cell.parts_frame = kept_.frame();
+        if (chooses(v, subtree, open)) images_ = open.images + 1;
     }
 
   private:
@@ -181,8 +179,8 @@ class ImageChooser {
         if (view.is_perspective && cell.bounds().contains(view.eye)) return false;
         if (kept_.cell(open.cell).refused_frame + 64 > kept_.frame() && kept_.cell(open.cell).refused_frame != 0)
             return false;
-        // To find out how long an image lives costs as much as to draw some.
-        constexpr float deciding = 32;
+        // To decide costs as much as to draw a few.
+        constexpr float deciding = 4;
         if (!(contents > deciding * v.hierarchy.cost_policy().cost({.images = 1}))) return false;
         const std::optional<ImageRect> rect = image_rect(view, cell.bounds_center, cell.bounds_half);
         // "If the dimensions of the rectangle exceed those of the viewport, no image is cached."
@@ -197,9 +195,12 @@ class ImageChooser {
             const float texels = texels_of(v, planned);
             const float drawing = price_of_drawing(v, planned);
             if (!(drawing < best)) continue;
-            const std::uint32_t lives = 1 + frames_good(planned, view);
             const float making_it = whole_price * making_factor(n) +
                                     float(n) * price_of_making(v.hierarchy.cost_policy(), texels / float(n));
+            // Most cells have no image that pays, and to ask for the frame from which on it does is quicker than to
+            // find out how long it lives.
+            if (!may_live(planned, view, making_it / (best - drawing))) continue;
+            const std::uint32_t lives = 1 + frames_good(planned, view);
             const float amortized = making_it / float(lives) + drawing;
             if (!(amortized < best)) continue;
             best = amortized;
@@ -229,6 +230,12 @@ class ImageChooser {
         return true;
     }
 
+    /// False only if an image serves for at most so many frames, the one that it is made in among them.
+    bool may_live(const CellImage& image, const LocalView& view, float frames) const {
+        if (!(frames < float(ExpectedPath::farthest + 1))) return false;
+        const auto later = std::uint32_t(frames);
+        return later == 0 || (options_.most_speed > 0 && view.is_perspective) || is_good_after(later, image, view);
+    }
     /// The number of frames to come in which an image serves.
     std::uint32_t frames_good(CellImage image, const LocalView& view) const {
         if (options_.most_speed > 0 && view.is_perspective) {
