@@ -98,6 +98,7 @@ tested_by(partition/polygon_bsp partition/child_boxes)
 tested_by(pick geometry/ray view/pixel_ray)
 tested_by(paging/paged_approximations)
 tested_by(paging/paged_hierarchy paging/page_check paging/page_forest paging/page_format paging/write_pages)
+tested_by(paging/packed_pages paging/packed_format paging/pack_pages paging/unpacked_pages)
 tested_by(build_pages build_pages/build_journal build_pages/page_share build_pages/scattered_file build_pages/top_tree)
 tested_by(raster/box_footprint raster/box_fronts)
 tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes

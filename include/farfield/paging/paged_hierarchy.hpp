@@ -26,6 +26,7 @@
 #include "farfield/fail.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/paging/file_page_source.hpp"
+#include "farfield/paging/packed_format.hpp"
 #include "farfield/paging/page_cache.hpp"
 #include "farfield/paging/page_check.hpp"
 #include "farfield/paging/page_format.hpp"
@@ -198,6 +199,11 @@ std::string wrong_page_file(std::span<const std::byte> bytes, PageFileHeader& he
         if (std::memcmp(bytes.data(), file_magic.data(), std::min(bytes.size(), file_magic.size())) == 0) {
             return "is a hierarchy without pages: open() reads it";
         }
+        if (std::memcmp(bytes.data(), packed_file_magic.data(), std::min(bytes.size(), packed_file_magic.size())) ==
+            0) {
+            return "has packed pages: open it through UnpackedPages (paging/unpacked_pages.hpp) with the codec '" +
+                   codec_of_packed_file(bytes) + "'";
+        }
         return "is not a farfield file of pages";
     }
     std::memcpy(&header, bytes.data(), std::min(bytes.size(), sizeof header));
@@ -295,6 +301,10 @@ PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string&
     PageCacheOptions possible = options;
     possible.most_bytes =
         std::size_t(std::min<std::uint64_t>(options.most_bytes, detail::PageRecords<H, P>::most_bytes_in_memory));
+    if constexpr (requires { source->memory_bytes(); }) {
+        // The limit is that of all that is in use, so what is left is the cache's.
+        possible.most_bytes -= std::size_t(std::min<std::uint64_t>(source->memory_bytes(), possible.most_bytes));
+    }
     file->cache = std::make_shared<detail::PageCache>(
         where, detail::PagePlaces{header.first_page, header.page_bytes, header.page_count}, source->merging(),
         [source](std::uint64_t offset, std::span<std::byte> bytes) { return source->read(offset, bytes); },
