@@ -4,6 +4,8 @@
 
 #include "paged_scene.hpp"
 #include "scenes/scene.hpp"
+#include "walkthrough/flight.hpp"
+#include "walkthrough/options.hpp"
 #include "walkthrough/setting.hpp"
 #include "walkthrough/variants.hpp"
 
@@ -53,6 +55,15 @@ std::shared_ptr<const Stage> open_stage(const std::string& where, std::size_t ca
     stage->up = glm::dvec3(setting->scene.up);
     stage->background = setting->background;
     stage->culls_back_faces = setting->culls_back_faces;
+    stage->flight = [setting] {
+        walkthrough::Options options;
+        options.frames = 96;
+        farfield::scenes::CameraPath path;
+        for (const farfield::Camera& camera : walkthrough::plan_flight(*setting, options).cameras) {
+            path.stops.push_back({0.25 * double(path.stops.size()), camera});
+        }
+        return path;
+    };
     for (const walkthrough::Variant& v : walkthrough::variants()) {
         stage->variants.push_back(
             {std::string(v.name), std::string(v.description), v.distance,

@@ -12,6 +12,7 @@
 #include "farfield/view.hpp"
 #include "report/picture.hpp"
 #include "scenes/built_scene.hpp"
+#include "scenes/camera_path.hpp"
 #include "scenes/renderers/renderer_choice.hpp"
 
 namespace viewer {
@@ -38,6 +39,8 @@ struct Stage {
     bool culls_back_faces = false;
     bool is_paged = false;  ///< exact is what fits into the cache, and there is one variant
     std::vector<StageVariant> variants;
+    /// Through the scene, as the walkthrough flies; empty: there is none.
+    std::function<farfield::scenes::CameraPath()> flight{};
 };
 
 /// A name of the catalog, a file that the walkthrough takes, or a file of pages, here or at an http:// address. Throws

@@ -76,7 +76,7 @@ Window::Window(glm::ivec2 size, const std::string& title) : parts_(std::make_uni
     glDebugMessageCallback(on_gl_message, &parts_->gl_errors);
 
     glfwSetWindowUserPointer(window, parts_.get());
-    constexpr auto parts = [](GLFWwindow* w) { return static_cast<Parts*>(glfwGetWindowUserPointer(w)); };
+    static constexpr auto parts = [](GLFWwindow* w) { return static_cast<Parts*>(glfwGetWindowUserPointer(w)); };
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
         if (action == GLFW_REPEAT) return;
         Event e = parts(w)->event(action == GLFW_PRESS ? Event::Kind::key_down : Event::Kind::key_up, mods);
