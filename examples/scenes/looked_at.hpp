@@ -116,7 +116,7 @@ std::optional<PickedInScene> picked_in_scene(const H& hierarchy, std::span<const
 }
 
 /// The cells of a selection: stand-ins, and those whose primitives are drawn. At most `most`, the largest in the
-/// picture.
+/// picture, a quarter of them for primitives.
 template <class Selection>
 std::vector<CellOutline> outlines_of(const Selection& selection, std::size_t most) {
     std::vector<CellOutline> outlines;
@@ -141,11 +141,18 @@ std::vector<CellOutline> outlines_of(const Selection& selection, std::size_t mos
         const glm::dvec3 away = c.center - eye;
         return squared / std::max(glm::dot(away, away), squared);
     };
-    if (outlines.size() > most) {
-        std::nth_element(outlines.begin(), outlines.begin() + std::ptrdiff_t(most), outlines.end(),
+    // Stand-ins are smaller than all else that is drawn, and what people look for.
+    const auto split = std::partition(outlines.begin(), outlines.end(), [](const auto& c) { return c.is_stand_in; });
+    const auto keep_largest = [&](auto begin, auto end, std::size_t count) {
+        if (std::size_t(end - begin) <= count) return end;
+        const auto kept = begin + std::ptrdiff_t(count);
+        std::nth_element(begin, kept, end,
                          [&](const CellOutline& a, const CellOutline& b) { return size(a) > size(b); });
-        outlines.resize(most);
-    }
+        return kept;
+    };
+    const auto stand_ins = keep_largest(outlines.begin(), split, most - most / 4);
+    const auto others = keep_largest(split, outlines.end(), most - std::size_t(stand_ins - outlines.begin()));
+    outlines.erase(std::move(split, others, stand_ins), outlines.end());
     return outlines;
 }
 

@@ -436,7 +436,7 @@ void Application::paint_lines(glm::dvec2 size) {
         add_lines(camera, size, cell, lines);
         const farfield::Rgba8 tint =
             cell.is_stand_in ? farfield::scenes::tint_of_level(cell.depth) : farfield::Rgba8{90, 90, 90, 255};
-        draw(IM_COL32(tint.r, tint.g, tint.b, 200), 1);
+        draw(IM_COL32(tint.r, tint.g, tint.b, cell.is_stand_in ? 200 : 60), 1);
     }
     if (!picked_ || look_.hides_panels) return;
     if (picked_->cell) {

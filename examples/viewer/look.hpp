@@ -19,7 +19,8 @@ struct Look {
     int samples = 1;  ///< a pixel
     int threads = 1;
     float tolerance_px = 1;
-    Wanted wanted = Wanted::any;
+    /// Then a frame is seldom slower than an exact one.
+    Wanted wanted = Wanted::point_sampling;
     float wanted_rmse = 0.05f;
     bool has_budget = false;
     float budget_ms = 30;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cfloat>
 #include <cstdint>
+#include <cstdio>
 #include <thread>
 
 #include "scenes/catalog.hpp"
@@ -136,12 +137,13 @@ void choose_picture(Look& look, Clicked& clicked, const Shown& shown) {
     if (ImGui::Button("help (F1)")) look.shows_help = !look.shows_help;
 }
 
-void plot(const char* unit, const History& history) {
+void plot(const char* what, const char* format, const History& history) {
     if (history.values().empty()) return;
     std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), "%.4g %s", double(history.last()), unit);
-    ImGui::PlotLines("", history.values().data(), int(history.values().size()), 0, text.data(), 0,
-                     std::max(history.largest() * 1.1f, FLT_MIN), {-1, 48});
+    std::snprintf(text.data(), text.size(), format, double(history.last()));
+    ImGui::TextUnformatted(text.data());
+    ImGui::PlotLines(what, history.values().data(), int(history.values().size()), 0, nullptr, 0,
+                     std::max(history.largest() * 1.1f, FLT_MIN), {-1, 40});
 }
 
 void show_levels(const FrameStats& stats) {
@@ -206,11 +208,11 @@ Clicked show_panels(Look& look, const Shown& shown) {
     ImGui::SetNextWindowPos({float(shown.size.x) - width - 10, 10}, ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowSize({width, 0}, ImGuiCond_Always);
     ImGui::Begin("frame", nullptr, ImGuiWindowFlags_NoResize);
-    plot("ms", *shown.frame_ms);
-    plot(look.difference == Difference::flip ? "FLIP" : "RMSE", *shown.errors);
+    plot("##frame times", "frame %.1f ms", *shown.frame_ms);
+    plot("##errors", look.difference == Difference::flip ? "mean FLIP %.4f" : "RMSE %.4f", *shown.errors);
     const Drawn& drawn = *shown.drawn;
     if (!drawn.exact.pixels().empty() && !drawn.variant.pixels().empty()) {
-        ImGui::Text("exact %.1f ms, %.1f times as long", drawn.exact_ms, drawn.exact_ms / drawn.variant_ms);
+        ImGui::Text("exact %.1f ms, %.1f times that", drawn.exact_ms, drawn.exact_ms / drawn.variant_ms);
     }
     if (drawn.rmse >= 0) ImGui::Text("RMSE %.4f", drawn.rmse);
     if (drawn.order.side > 1) ImGui::TextDisabled("1/%d of the size while it moves", drawn.order.side);
