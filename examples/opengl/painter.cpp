@@ -240,6 +240,7 @@ void Painter::draw_far(const Picture& picture, const KeptImages& images, Target&
         glClearBufferfv(GL_DEPTH, 0, nothing);
     } else {
         glDepthFunc(GL_ALWAYS);
+        glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);  // a shader that gives no color leaves any
         glUseProgram(programs_.get(Shader::copied_depth));
         glUniform1i(11, options.lanes);
         glBindTextureUnit(2, target.depth.name());
@@ -247,6 +248,7 @@ void Painter::draw_far(const Picture& picture, const KeptImages& images, Target&
         glBindVertexArray(far_.name());
         glDrawArrays(GL_TRIANGLES, 0, 3);
         ++stats.draw_calls;
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
         if (options.depth.clips) {
             for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glEnable(distance);
         }
