@@ -8,6 +8,7 @@
 
 #include "farfield/drawables.hpp"
 #include "farfield/geometry/area_law.hpp"
+#include "farfield/geometry/box.hpp"
 
 namespace farfield::opengl {
 
@@ -50,8 +51,23 @@ inline FarRecord record_of(const Splat& splat) {
             (detail::packed(splat.rgb) & 0xffffffu) | (opacity >> 16) << 24};
 }
 
+inline bool is_face(const FarRecord& record) {
+    return (record.u & 1u) != 0;
+}
+
+/// A box that holds it, seen from anywhere.
+inline Box box_of(const FarRecord& r) {
+    const float u = std::bit_cast<float>(r.u & 0x7fffffffu), v = std::bit_cast<float>(r.v & 0x7fffffffu);
+    if (!is_face(r)) return {r.place - 0.5f * (u + v), r.place + 0.5f * (u + v)};
+    Box box{r.place, r.place};
+    const int axis = int(r.u >> 31 | r.v >> 31 << 1);
+    box.upper[(axis + 1) % 3] += u;
+    box.upper[(axis + 2) % 3] += v;
+    return box;
+}
+
 inline AreaLaw law_of(const FarRecord& record) {
-    if ((record.u & 1u) != 0) return law_of_opacity(float(record.color >> 24) * (1.0f / 255));
+    if (is_face(record)) return law_of_opacity(float(record.color >> 24) * (1.0f / 255));
     return AreaLaw((record.u >> 31) | (record.v >> 31) << 1);
 }
 

@@ -55,6 +55,9 @@ Painter::Painter()
     for (std::uint32_t i = 0; i < Chunk::most; ++i) {
         for (const std::uint32_t c : {0u, 1u, 2u, 0u, 2u, 3u}) corners.push_back(std::uint16_t(4 * i + c));
     }
+    for (std::uint32_t i = 0; i < Chunk::most; ++i) {
+        for (const std::uint32_t c : {0u, 1u, 2u}) corners.push_back(std::uint16_t(4 * i + c));
+    }
     glNamedBufferStorage(corners_.name(), GLsizeiptr(corners.size() * sizeof corners[0]), corners.data(), 0);
     glVertexArrayElementBuffer(far_.name(), corners_.name());
 }
@@ -86,8 +89,9 @@ void Painter::paint(const Picture& picture, const Sources& sources, const KeptIm
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, now_->commands.name());
     draw_geometry(picture, sources, images, target, options);
-    if (!far_calls_.empty()) draw_far(picture, images, target, options);
-    composite(target, to, !far_calls_.empty(), options);
+    far_part_ = far_part(picture, images, options);
+    if (!far_part_.is_empty()) draw_far(picture, images, target, options);
+    composite(target, to, options);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
     glBindVertexArray(0);
     glUseProgram(0);
@@ -160,11 +164,28 @@ void Painter::add_far_chunks(std::span<const Chunk> chunks) {
                 if (count == 0) continue;
                 if (far_calls_.empty() || far_calls_.back().kind != kind) begin_call(kind);
                 ++far_calls_.back().count;
-                add_command(
-                    ElementsCommand{6 * count, 1, 0, std::int32_t(4 * (far_store_.place_of(c) + skipped)), c.view});
+                const auto vertex = std::int32_t(4 * (far_store_.place_of(c) + skipped));
+                if (c.is_of_faces) {
+                    add_command(ElementsCommand{6 * count, 1, 0, vertex, c.view});
+                } else {
+                    add_command(ElementsCommand{3 * count, 1, 6 * Chunk::most, vertex, c.view});
+                }
             }
         }
     }
+}
+
+ScreenRectangle Painter::far_part(const Picture& picture, const KeptImages& images,
+                                  const PaintOptions& options) const {
+    DrawnPart part(options.width, options.height);
+    for (const Chunk& c : picture.far.chunks) part.add(c.box, picture.rows[c.view]);
+    for (const PlacedImage& placed : picture.images) {
+        const ImageQuad& q = placed.quad;
+        if (images[q.image].is_solid) continue;
+        for (const glm::vec3 corner : {q.corner, q.corner + q.across, q.corner + q.down, q.corner + q.across + q.down})
+            part.add(corner, picture.rows[placed.view]);
+    }
+    return part.rectangle();
 }
 
 GLuint Painter::use(Shader shader, unsigned features, const PaintOptions& options) {
@@ -232,6 +253,9 @@ void Painter::draw_far(const Picture& picture, const KeptImages& images, Target&
     target.fit_deposits(width, height, keeps_depths);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.deposits.name());
     glViewport(0, 0, width, height);
+    const int scale = options.side * options.lanes;
+    glScissor(far_part_.left * scale, far_part_.top * scale, far_part_.width() * scale, far_part_.height() * scale);
+    glEnable(GL_SCISSOR_TEST);
     const GLfloat nothing[4] = {0, 0, 0, 0}, no_depth[4] = {-1, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, nothing);
     if (target.nearest.name() != 0) glClearBufferfv(GL_COLOR, 1, no_depth);
@@ -288,6 +312,7 @@ void Painter::draw_far(const Picture& picture, const KeptImages& images, Target&
         ++stats.draw_calls;
     }
     if (keeps_depths) glBlendEquationi(1, GL_FUNC_ADD);
+    glDisable(GL_SCISSOR_TEST);
     glDisable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ZERO);
 }
@@ -315,25 +340,36 @@ void Painter::draw_image(const PlacedImage& placed, const KeptImages& images, in
     ++stats.draw_calls;
 }
 
-void Painter::composite(Target& target, GLuint to, bool has_far, const PaintOptions& options) {
+void Painter::composite(Target& target, GLuint to, const PaintOptions& options) {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
     glViewport(0, 0, options.width, options.height);
     glDisable(GL_DEPTH_TEST);
     for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+    // Where samples are pixels, what the far field leaves alone is copied.
+    const bool copies = options.side == 1 && !options.quad_depth;
+    const ScreenRectangle& part = far_part_;
+    if (copies) {
+        glBlitNamedFramebuffer(target.geometry.name(), to, 0, 0, options.width, options.height, 0, 0, options.width,
+                               options.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+        if (part.is_empty()) return;
+        glScissor(part.left, part.top, part.width(), part.height());
+        glEnable(GL_SCISSOR_TEST);
+    }
     glUseProgram(programs_.get(Shader::composite, options.quad_depth ? KEEPS_DEPTHS : 0u));
     glUniform1i(1, options.side);
     glUniform1i(11, options.lanes);
-    glUniform1i(2, has_far ? 1 : 0);
+    glUniform4i(2, part.left, part.top, part.right, part.bottom);
     glBindTextureUnit(0, target.color.name());
-    glBindTextureUnit(1, has_far ? target.far_field.name() : 0);
+    glBindTextureUnit(1, target.far_field.name());
     if (options.quad_depth) {
         glUniform3f(3, *options.quad_depth, options.depth.bias, options.depth.is_perspective ? 1.0f : 0.0f);
         glBindTextureUnit(2, target.depth.name());
-        glBindTextureUnit(3, has_far ? target.nearest.name() : 0);
+        glBindTextureUnit(3, target.nearest.name());
     }
     glBindVertexArray(far_.name());
     glDrawArrays(GL_TRIANGLES, 0, 3);
     ++stats.draw_calls;
+    glDisable(GL_SCISSOR_TEST);
     for (const GLuint unit : {0u, 1u, 2u, 3u}) glBindTextureUnit(unit, 0);
 }
 

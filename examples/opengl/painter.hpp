@@ -16,6 +16,7 @@
 #include "opengl/kept_images.hpp"
 #include "opengl/mirrored_buffer.hpp"
 #include "opengl/picture.hpp"
+#include "opengl/screen_rectangle.hpp"
 #include "opengl/shaders.hpp"
 #include "opengl/target.hpp"
 #include "opengl/triangles.hpp"
@@ -87,7 +88,8 @@ class Painter {
     void draw_far(const Picture& picture, const KeptImages& images, Target& target, const PaintOptions& options);
     void draw_image(const PlacedImage& placed, const KeptImages& images, int mode, int lanes,
                     const PaintOptions& options);
-    void composite(Target& target, GLuint to, bool has_far, const PaintOptions& options);
+    ScreenRectangle far_part(const Picture& picture, const KeptImages& images, const PaintOptions& options) const;
+    void composite(Target& target, GLuint to, const PaintOptions& options);
     GLuint use(Shader shader, unsigned features, const PaintOptions& options);
 
     /// Views, commands and their order, of frames and of images apart: what a frame has is then as it was.
@@ -105,6 +107,7 @@ class Painter {
     ChunkStore<TriangleVertices> streamed_store_;
     std::vector<std::uint32_t> words_;  ///< of commands
     std::vector<Call> geometry_calls_, far_calls_;
+    ScreenRectangle far_part_;  ///< in pixels
 };
 
 }  // namespace farfield::opengl

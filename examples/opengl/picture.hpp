@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <optional>
@@ -57,6 +58,9 @@ class Picture {
         void close() { is_open_ = false; }
         void add(const Record& record, std::uint32_t view) {
             if (is_open_ && chunks.back().view != view) is_open_ = false;
+            if constexpr (std::is_same_v<Record, FarRecord>) {
+                if (is_open_ && chunks.back().is_of_faces != is_face(record)) is_open_ = false;
+            }
             if (!is_open_) {
                 chunks.push_back({.first = std::uint32_t(records.size()), .view = view, .hash = sizeof(Record)});
                 is_open_ = true;
@@ -64,7 +68,12 @@ class Picture {
             records.push_back(record);
             Chunk& chunk = chunks.back();
             ++chunk.count;
-            if constexpr (std::is_same_v<Record, FarRecord>) ++chunk.of_law[std::size_t(law_of(record)) % 3];
+            if constexpr (std::is_same_v<Record, FarRecord>) {
+                ++chunk.of_law[std::size_t(law_of(record)) % 3];
+                chunk.is_of_faces = is_face(record);
+                const Box box = box_of(record);
+                chunk.box = {glm::min(chunk.box.lower, box.lower), glm::max(chunk.box.upper, box.upper)};
+            }
             chunk.hash = hash_of(chunk.hash, record);
             const std::uint64_t own = hash_of(0, record);
             is_open_ = own % Chunk::mean != 0 && chunk.count < Chunk::most;

@@ -153,8 +153,10 @@ void main() {
         vec2 middle = (0.5 + vec2(0.5, -0.5) * center.xy * inverse) * size;
         vec2 half_size = sides * focal * (0.25 * inverse);
         rectangle = vec4(middle - half_size, middle + half_size);
-        vec2 at = vec2(to_the_right ? ceil(rectangle.z) : floor(rectangle.x),
-                       below ? ceil(rectangle.w) : floor(rectangle.y));
+        // One triangle, twice as wide and high: half as much to set up as two for the rectangle.
+        vec2 at = floor(rectangle.xy), end = ceil(rectangle.zw);
+        if (corner == 1) at.x += 2 * (end.x - at.x);
+        if (corner == 2) at.y += 2 * (end.y - at.y);
         gl_Position = vec4(vec2(2, -2) * at / size + vec2(-1, 1), center.z * inverse, 1);
         if (!(depth > depths.z)) gl_Position = nowhere;
 #ifdef CLIPS
@@ -294,7 +296,7 @@ layout(binding = 0) uniform sampler2D geometry;
 layout(binding = 1) uniform sampler2D far_field;
 layout(location = 1) uniform int side;     // of a pixel, in samples
 layout(location = 11) uniform int lanes;   // of a sample
-layout(location = 2) uniform int has_far;
+layout(location = 2) uniform ivec4 far_part;  // left, top, right, bottom, in pixels
 layout(location = 0) out vec4 color;
 #ifdef KEEPS_DEPTHS
 layout(binding = 2) uniform sampler2D depths;
@@ -303,7 +305,8 @@ layout(location = 3) uniform vec3 rule;    // the rectangle's depth as in the de
 layout(location = 1) out float relative;
 #endif
 void main() {
-    ivec2 first = ivec2(gl_FragCoord.xy) * side;
+    ivec2 pixel = ivec2(gl_FragCoord.xy), first = pixel * side;
+    bool has_far = all(greaterThanEqual(pixel, far_part.xy)) && all(lessThan(pixel, far_part.zw));
     vec4 sum = vec4(0);
     float share = 1 / float(lanes * lanes);
     float depth = 0, covered = 0;
@@ -316,7 +319,7 @@ void main() {
 #ifdef KEEPS_DEPTHS
             if (behind.a > 0) z = texelFetch(depths, at, 0).r;
 #endif
-            if (has_far != 0) {
+            if (has_far) {
                 for (int i = 0; i < lanes * lanes; ++i) {
                     ivec2 lane = at * lanes + ivec2(i % lanes, i / lanes);
                     before += texelFetch(far_field, lane, 0);
