@@ -89,6 +89,7 @@ class PlacedScene final : public BuiltScene {
                     if (facts_.keeps_strict_order) return frames<StrictCoverageRenderer>(choice);
                 }
                 return frames<CoverageRenderer>(choice);
+            case RendererKind::opengl:  // it models what the z-buffer does, and is behind AnyRenderer
             case RendererKind::z_buffer:
                 break;
         }
@@ -105,6 +106,7 @@ class PlacedScene final : public BuiltScene {
                 return obstacle_for<PainterRenderer>();
             case RendererKind::coverage:
                 return obstacle_for<CoverageRenderer>();
+            case RendererKind::opengl:
             case RendererKind::z_buffer:
                 break;
         }
@@ -237,6 +239,7 @@ class PlacedScene final : public BuiltScene {
     static std::unique_ptr<SceneViewer> frames_of(const Hierarchy& hierarchy, const std::vector<P>& primitives,
                                                   const RendererChoice& choice) {
         if (choice.threads > 1) {
+            if (choice.kind == RendererKind::opengl) throw std::invalid_argument("one thread has the OpenGL context");
             if constexpr (caches_images<Hierarchy>) {
                 throw std::invalid_argument("images are kept by one viewer on one thread: take --threads 1");
             } else {
