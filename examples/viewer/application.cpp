@@ -166,6 +166,7 @@ void Application::show(std::shared_ptr<const Stage> stage) {
         if (stage_->variants[i].name == variant) look_.variant = i;
     }
     navigator_ = Navigator(stage_->bounds, stage_->up);
+    if (stage_->start) navigator_.start_at(*stage_->start);
     resolution_.forget();
     frame_ms_.clear();
     errors_.clear();

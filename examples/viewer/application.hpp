@@ -27,7 +27,7 @@
 namespace viewer {
 
 struct Options {
-    std::string scene = "forest-instanced";
+    std::string scene = "island";
     glm::ivec2 size{1280, 720};
     std::size_t cache_mib = 256;                        ///< for pages
     std::vector<std::vector<std::string>> choices;      ///< as choose() takes them

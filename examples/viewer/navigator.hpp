@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
+#include <optional>
 
 #include "farfield/camera.hpp"
 #include "farfield/geometry/box.hpp"
@@ -78,11 +79,20 @@ class Navigator {
         target_ = bounds_.center();
         distance_ = radius_ / std::sin(0.5 * double(field_of_view));
     }
-    /// From the front, a little from above.
+    /// As at first: from the front, a little from above, unless start_at() said otherwise.
     void reset() {
+        if (starts_at_) {
+            distance_ = std::max(glm::length(bounds_.center() - starts_at_->eye), least_distance());
+            follow(*starts_at_);
+            return;
+        }
         angle_ = 0.4;
         elevation_ = 0.35;
         frame();
+    }
+    void start_at(const farfield::Camera& camera) {
+        starts_at_ = camera;
+        reset();
     }
     /// Goes on from another camera, which looks at something as far away as the target was.
     void follow(const farfield::Camera& camera) {
@@ -113,6 +123,7 @@ class Navigator {
     farfield::BoxD bounds_{glm::dvec3(-1), glm::dvec3(1)};
     glm::dvec3 up_{0, 1, 0}, front_{0, 0, 1}, side_{1, 0, 0};
     double radius_ = 1;
+    std::optional<farfield::Camera> starts_at_{};
     glm::dvec3 target_{0.0};
     double distance_ = 3, angle_ = 0, elevation_ = 0;  ///< of the eye, off the front and above the ground
 };

@@ -5,9 +5,11 @@
 #include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "farfield/camera.hpp"
 #include "farfield/geometry/box.hpp"
 #include "farfield/view.hpp"
 #include "report/picture.hpp"
@@ -41,6 +43,8 @@ struct Stage {
     std::vector<StageVariant> variants;
     /// Through the scene, as the walkthrough flies; empty: there is none.
     std::function<farfield::scenes::CameraPath()> flight{};
+    /// Where to look from at first; none: all of it is framed.
+    std::optional<farfield::Camera> start{};
 };
 
 /// A name of the catalog, a file that the walkthrough takes, or a file of pages, here or at an http:// address. Throws

@@ -171,7 +171,7 @@ void check_numbers(const Options& options) {
 std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer) {
     Options options;
     std::string variant_names = "color-cube", renderer = "z-buffer", wanted_error = "point-sampling", up, size, out,
-                json, tables;
+                json, tables, path;
     double budget_ms = 0, distance = 0;
     bool wants_list = false;
 
@@ -214,6 +214,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     app.add_option("--cache", options.cache_mib,
                    "MiB for pages, where the scene is a file of pages (FILE.farfield, or its http:// address)")
         ->type_name("MIB");
+    app.add_option("--path", path, "fly this instead: a path that the viewer has recorded")->type_name("FILE");
     app.add_option("--out", out, "write pictures of up to 8 frames here")->type_name("DIR");
     app.add_option("--json", json, "write the table here")->type_name("FILE");
     const auto* const tables_option =
@@ -256,6 +257,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         options.frames = options.distance                  ? frames_of_a_fixed_view
                          : options.scene == "shade-island" ? farfield::scenes::frames_of_island_walk
                                                            : frames_of_a_flight;
+    }
+    if (!path.empty()) {
+        if (options.distance) throw UsageError("--path and --distance both say where the camera is: give one of them");
+        options.path = path;
     }
     if (!out.empty()) options.out_directory = out;
     if (!json.empty()) options.json_file = json;
