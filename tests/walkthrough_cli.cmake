@@ -43,7 +43,7 @@ expect_refusal(--scene)
 expect_refusal(--variant no-such-variant)
 expect_refusal(--variant color-cube,)
 expect_refusal(--renderer no-such-renderer)
-expect_refusal(--renderer opengl)
+expect_refusal(--renderer opengl --threads 2)
 expect_refusal(--renderer painter) # needs strict order, which color cubes do not keep
 expect_refusal(--renderer painter --variant bsp,exact)
 foreach(samples IN ITEMS 4 16 49)

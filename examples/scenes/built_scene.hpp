@@ -1,8 +1,12 @@
 // A scene in one variant's hierarchies, as the rest of the program sees it: without knowing their types.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <glm/vec2.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -11,6 +15,7 @@
 #include "farfield/tuning/error_table_file.hpp"
 #include "farfield/tuning/measure_frame_prices.hpp"
 #include "farfield/view.hpp"
+#include "scenes/looked_at.hpp"
 #include "scenes/renderers/any_renderer.hpp"
 
 namespace farfield::scenes {
@@ -25,6 +30,9 @@ struct BuildFacts {
     std::uint64_t cells_over_piece_budget = 0;  ///< as BuildReport's
     HierarchyIdentity identity;                 ///< of all hierarchies together, as tables of errors know them
 };
+
+/// Gets told from time to time what part of a build is done; returning false ends it with BuildCanceled.
+using SceneProgress = std::function<bool(double part)>;
 
 /// Draws frames of a BuiltScene, which outlives it.
 class SceneViewer {
@@ -43,8 +51,12 @@ class SceneViewer {
         return image();
     }
     /// What the last frame drew, from outside, where RendererChoice::looks_on and cells were drawn by images (Shade et
-    /// al. 1996, figure 3(c)); null of others.
-    virtual const Image* from_outside() { return nullptr; }
+    /// al. 1996, figure 3(c)); null of others. From a view of the caller's own, if there is one, whatever was drawn.
+    virtual const Image* from_outside([[maybe_unused]] const View* from = nullptr) { return nullptr; }
+    /// The cells that frame() draws a view by, if nothing hides any; at most `most`, the largest in the picture.
+    virtual std::vector<CellOutline> cells([[maybe_unused]] const View& view, [[maybe_unused]] std::size_t most) {
+        return {};
+    }
     /// The last frame; premultiplied, coverage in alpha.
     virtual const Image& image() const = 0;
     /// Of the last frame: of coverage masks, null of others.
@@ -64,6 +76,8 @@ class BuiltScene {
     /// Throws std::invalid_argument, one line, where the renderer cannot draw it: where obstacle() of its type says so,
     /// where something lacks the order that the renderer needs, or for samples that it does not take.
     virtual std::unique_ptr<SceneViewer> viewer(const RendererChoice& choice) const = 0;
+    /// What lies under a point of the view's picture.
+    virtual std::optional<PickedInScene> pick(const View& view, glm::dvec2 pixel) const = 0;
     const BuildFacts& facts() const { return facts_; }
 
   protected:

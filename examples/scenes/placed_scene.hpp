@@ -4,17 +4,21 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <glm/vec2.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "farfield/banded_viewer.hpp"
 #include "farfield/build.hpp"
+#include "farfield/build/build_progress.hpp"
 #include "farfield/executor.hpp"
 #include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/renderer/hierarchical_z_renderer.hpp"
@@ -23,6 +27,7 @@
 #include "farfield/viewer.hpp"
 #include "scenes/built_scene.hpp"
 #include "scenes/how_drawn.hpp"
+#include "scenes/looked_at.hpp"
 #include "scenes/object.hpp"
 #include "scenes/scene.hpp"
 
@@ -43,8 +48,11 @@ class PlacedScene final : public BuiltScene {
     /// Given how many primitives a group has.
     using PartitionFor = std::function<Partition(std::size_t)>;
 
-    PlacedScene(const Scene& scene, const PartitionFor& partition_for, Approximation approximation, CostModel cost = {})
-        : groups_(scene.groups.size()) {
+    PlacedScene(const Scene& scene, const PartitionFor& partition_for, Approximation approximation, CostModel cost = {},
+                SceneProgress progress = {})
+        : progress_(std::move(progress)), groups_(scene.groups.size()) {
+        for (const auto& group : scene.groups)
+            all_primitives_ += double(group.triangles.size() + group.placements.size());
         for (std::size_t g = 0; g < groups_.size(); ++g) {
             Group& group = groups_[g];
             // Triangles are copied, since each variant puts them into its own order.
@@ -64,6 +72,12 @@ class PlacedScene final : public BuiltScene {
         }
     }
 
+    std::optional<PickedInScene> pick(const View& view, glm::dvec2 pixel) const override {
+        const Group& root = groups_.back();
+        if (root.objects.empty()) return picked(root.hierarchy, root.triangles, view, pixel);
+        return picked(root.hierarchy, root.objects, view, pixel);
+    }
+
     std::unique_ptr<SceneViewer> viewer(const RendererChoice& choice) const override {
         switch (choice.kind) {
             case RendererKind::hierarchical_z:
@@ -75,6 +89,7 @@ class PlacedScene final : public BuiltScene {
                     if (facts_.keeps_strict_order) return frames<StrictCoverageRenderer>(choice);
                 }
                 return frames<CoverageRenderer>(choice);
+            case RendererKind::opengl:  // it models what the z-buffer does, and is behind AnyRenderer
             case RendererKind::z_buffer:
                 break;
         }
@@ -91,6 +106,7 @@ class PlacedScene final : public BuiltScene {
                 return obstacle_for<PainterRenderer>();
             case RendererKind::coverage:
                 return obstacle_for<CoverageRenderer>();
+            case RendererKind::opengl:
             case RendererKind::z_buffer:
                 break;
         }
@@ -117,7 +133,8 @@ class PlacedScene final : public BuiltScene {
     class Frames final : public SceneViewer {
       public:
         Frames(const Hierarchy& hierarchy, const std::vector<P>& primitives, const RendererChoice& choice)
-            : renderer_(make_renderer(choice, Renderer::facts.needs_ordering == OrderGuarantee::primitives)),
+            : hierarchy_(hierarchy),
+              renderer_(make_renderer(choice, Renderer::facts.needs_ordering == OrderGuarantee::primitives)),
               viewer_(hierarchy, std::span<const P>(primitives), renderer_) {}
         FrameStats frame(const View& view) override { return viewer_.frame(view); }
         FrameStats frame_within(const FrameBudget& budget, const View& view) override {
@@ -130,12 +147,21 @@ class PlacedScene final : public BuiltScene {
             viewer_.select(view, selection_);
             return scenes::how_drawn(viewer_, selection_, [this]() -> const Image& { return image(); });
         }
-        const Image* from_outside() override { return renderer_.any().from_outside(); }
+        const Image* from_outside(const View* from) override {
+            if (from == nullptr) return renderer_.any().from_outside();
+            const LocalView local(*from, hierarchy_.origin(), hierarchy_.bounds());
+            return renderer_.any().from_outside(&local);
+        }
+        std::vector<CellOutline> cells(const View& view, std::size_t most) override {
+            viewer_.select(view, selection_);
+            return outlines_of(selection_, most);
+        }
         const Image& image() const override { return renderer_.image(); }
         const CoverageWork* work() const override { return renderer_.any().work(); }
         const CoverageWorkImage* work_map() const override { return renderer_.any().work_map(); }
 
       private:
+        const Hierarchy& hierarchy_;
         RendererLike<Renderer> renderer_;
         Viewer<Hierarchy, P, RendererLike<Renderer>> viewer_;
         Selection<Hierarchy, P> selection_;
@@ -163,9 +189,9 @@ class PlacedScene final : public BuiltScene {
             }
             return stats;
         }
-        Image how_drawn(const View& view) override {
-            if (!whole_) whole_ = std::make_unique<Frames<P, Renderer>>(hierarchy_, primitives_, choice_);
-            return whole_->how_drawn(view);
+        Image how_drawn(const View& view) override { return whole().how_drawn(view); }
+        std::vector<CellOutline> cells(const View& view, std::size_t most) override {
+            return whole().cells(view, most);
         }
         const Image& image() const override { return viewer_.image(); }
         const CoverageWork* work() const override {
@@ -174,6 +200,11 @@ class PlacedScene final : public BuiltScene {
 
       private:
         static constexpr std::size_t bands_a_thread = 4;
+
+        Frames<P, Renderer>& whole() {
+            if (!whole_) whole_ = std::make_unique<Frames<P, Renderer>>(hierarchy_, primitives_, choice_);
+            return *whole_;
+        }
 
         const Hierarchy& hierarchy_;
         const std::vector<P>& primitives_;
@@ -208,6 +239,7 @@ class PlacedScene final : public BuiltScene {
     static std::unique_ptr<SceneViewer> frames_of(const Hierarchy& hierarchy, const std::vector<P>& primitives,
                                                   const RendererChoice& choice) {
         if (choice.threads > 1) {
+            if (choice.kind == RendererKind::opengl) throw std::invalid_argument("one thread has the OpenGL context");
             if constexpr (caches_images<Hierarchy>) {
                 throw std::invalid_argument("images are kept by one viewer on one thread: take --threads 1");
             } else {
@@ -234,16 +266,35 @@ class PlacedScene final : public BuiltScene {
         return objects;
     }
 
+    template <class P>
+    static std::optional<PickedInScene> picked(const Hierarchy& hierarchy, const std::vector<P>& primitives,
+                                               const View& view, glm::dvec2 pixel) {
+        return picked_in_scene(hierarchy, std::span<const P>(primitives), view, pixel);
+    }
+
+    /// Of a group's build, whose two phases take about as long; told in parts of all groups.
+    ProgressCallback progress_of(std::size_t primitives) {
+        if (!progress_) return {};
+        const double before = built_primitives_ / all_primitives_, own = double(primitives) / all_primitives_;
+        built_primitives_ += double(primitives);
+        return [this, before, own](const BuildProgress& p) {
+            const double done = p.total > 0 ? double(p.done) / double(p.total) : 0;
+            return progress_(before + own * 0.5 * (done + (p.phase == BuildPhase::splitting ? 0 : 1)));
+        };
+    }
+
     template <class H, class P>
     void build(H& hierarchy, std::vector<P>& primitives, const typename H::partition_type& partition,
                const Approximation& approximation, const CostModel& cost) {
         const auto begin = std::chrono::steady_clock::now();
+        const BuildOptions<H> options{.partition = partition,
+                                      .approximation = approximation,
+                                      .cost_model = cost,
+                                      .progress = progress_of(primitives.size())};
         if constexpr (H::assignment == Assignment::unique) {
-            hierarchy = build_in_place<H>(primitives,
-                                          {.partition = partition, .approximation = approximation, .cost_model = cost});
+            hierarchy = build_in_place<H>(primitives, options);
         } else {
-            hierarchy = farfield::build<H>(
-                primitives, {.partition = partition, .approximation = approximation, .cost_model = cost});
+            hierarchy = farfield::build<H>(primitives, options);
         }
         const bool is_first = facts_.cells == 0;
         facts_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -255,6 +306,8 @@ class PlacedScene final : public BuiltScene {
         facts_.keeps_strict_order = (is_first || facts_.keeps_strict_order) && hierarchy.keeps_strict_order();
     }
 
+    SceneProgress progress_;
+    double all_primitives_ = 0, built_primitives_ = 0;
     std::vector<Group> groups_;  ///< never resized: instances point into it
 };
 

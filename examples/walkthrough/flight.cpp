@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "ground.hpp"
+#include "scenes/camera_path.hpp"
 
 namespace walkthrough {
 namespace {
@@ -164,7 +165,7 @@ Flight plan_flight(const Setting& setting, const Options& options) {
         flight.quality_frames = {0};
         return flight;
     }
-    if (setting.descent) {
+    if (setting.descent && !options.path) {
         const auto& [from, to] = *setting.descent;
         flight.cameras = fly_down(from, to, glm::dvec3(frame.up), options.frames);
         // Few, for exact frames of what one descends to may take seconds. The first and the last are among them.
@@ -177,7 +178,8 @@ Flight plan_flight(const Setting& setting, const Options& options) {
     const glm::vec3 size = in_units(setting.bounds, frame).size();
     const glm::vec3 absolute_up = glm::abs(frame.up);
     const float tall = glm::dot(size, absolute_up), wide = glm::dot(size, (glm::vec3(1) - absolute_up) * 0.5f);
-    flight.cameras = setting.path      ? setting.path(options.frames)
+    flight.cameras = options.path      ? farfield::scenes::read_camera_path(*options.path).cameras(options.frames)
+                     : setting.path    ? setting.path(options.frames)
                      : wide > 2 * tall ? fly_over(setting, frame, options.frames)
                                        : fly_around(setting, frame, options.frames);
     const int pictures = std::min(options.frames, 8);

@@ -14,8 +14,8 @@ struct Flight {
     std::vector<int> quality_frames;        ///< whose pictures are compared and kept: at most eight, evenly spaced
 };
 
-/// A closed path through the scene, the path or the descent where the setting has one, or the same view again and again
-/// where the options give a distance.
+/// A closed path through the scene, the path or the descent where the setting has one, the path that the options name,
+/// or the same view again and again where they give a distance.
 Flight plan_flight(const Setting& setting, const Options& options);
 
 }  // namespace walkthrough

@@ -41,6 +41,7 @@ void check_writable(const walkthrough::Options& options) {
 void walk(const walkthrough::Options& options) {
     using namespace walkthrough;
     if (is_paged(options.scene)) {
+        if (options.path) throw UsageError("--path is for scenes in memory: a file of pages is walked into");
         check_writable(options);
         walk_pages(std::cout, options);
         if (!std::cout.flush()) throw UsageError("cannot write to the standard output");

@@ -24,9 +24,9 @@ constexpr std::string_view renderer_descriptions[] = {
     "hierarchical tiling with coverage masks, 1 or 64 samples a pixel (Greene 1996)",
     "the z-buffer under a pyramid that tells what is hidden (Greene, Kass and Miller 1993)",
     "back to front, overwriting: bsp and octree-of-bsps only (as Greene 1996, section 9 compares with)",
+    "OpenGL 4.5 core without a window, samples as of the z-buffer; --threads 1",
 };
 static_assert(std::size(renderer_descriptions) == renderer_kinds.size());
-constexpr std::string_view planned_renderers[] = {"opengl"};
 constexpr int frames_of_a_flight = 48;
 constexpr int frames_of_a_fixed_view = 21;
 /// The reference has eight samples on a pixel's side, and the z-buffer takes 16,000 on an image's.
@@ -117,11 +117,7 @@ RendererKind parse_renderer(std::string_view name) {
     for (const RendererKind kind : renderer_kinds) {
         if (name_of(kind) == name) return kind;
     }
-    const bool planned =
-        std::find(std::begin(planned_renderers), std::end(planned_renderers), name) != std::end(planned_renderers);
-    throw UsageError(
-        (planned ? "the renderer " + in_quotes(name) + " does not exist yet" : "no renderer " + in_quotes(name)) +
-        "; --list shows those that do");
+    throw UsageError("no renderer " + in_quotes(name) + "; --list shows those that there are");
 }
 
 std::optional<farfield::WantedError> parse_error(const std::string& text) {
@@ -145,6 +141,9 @@ void check_numbers(const Options& options) {
     }
     if (options.renderer == RendererKind::coverage && options.samples != 1 && options.samples != 64) {
         throw UsageError("--samples must be 1 or 64 with --renderer coverage, not " + std::to_string(options.samples));
+    }
+    if (options.renderer == RendererKind::opengl && options.threads != 1) {
+        throw UsageError("--renderer opengl draws on one thread: leave --threads out");
     }
     if (options.threads < 1 || options.threads > 256) {
         throw UsageError("--threads must be from 1 to 256, not " + std::to_string(options.threads));
@@ -172,7 +171,7 @@ void check_numbers(const Options& options) {
 std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer) {
     Options options;
     std::string variant_names = "color-cube", renderer = "z-buffer", wanted_error = "point-sampling", up, size, out,
-                json, tables;
+                json, tables, path;
     double budget_ms = 0, distance = 0;
     bool wants_list = false;
 
@@ -185,7 +184,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
             ->type_name("AXIS");
     app.add_option("--variant", variant_names, "names with commas between them, or all; exact always comes first")
         ->type_name("NAME[,NAME...]");
-    app.add_option("--renderer", renderer, "what draws: z-buffer, coverage, hierarchical-z or painter")
+    app.add_option("--renderer", renderer, "what draws: z-buffer, coverage, hierarchical-z, painter or opengl")
         ->type_name("NAME");
     app.add_option("--samples", options.samples,
                    "samples a pixel of what is timed: a square up to 64, of coverage 1 or 64")
@@ -215,6 +214,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     app.add_option("--cache", options.cache_mib,
                    "MiB for pages, where the scene is a file of pages (FILE.farfield, or its http:// address)")
         ->type_name("MIB");
+    app.add_option("--path", path, "fly this instead: a path that the viewer has recorded")->type_name("FILE");
     app.add_option("--out", out, "write pictures of up to 8 frames here")->type_name("DIR");
     app.add_option("--json", json, "write the table here")->type_name("FILE");
     const auto* const tables_option =
@@ -257,6 +257,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         options.frames = options.distance                  ? frames_of_a_fixed_view
                          : options.scene == "shade-island" ? farfield::scenes::frames_of_island_walk
                                                            : frames_of_a_flight;
+    }
+    if (!path.empty()) {
+        if (options.distance) throw UsageError("--path and --distance both say where the camera is: give one of them");
+        options.path = path;
     }
     if (!out.empty()) options.out_directory = out;
     if (!json.empty()) options.json_file = json;

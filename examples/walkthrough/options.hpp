@@ -25,12 +25,13 @@ struct Options {
     std::vector<std::string> variants;  ///< known names, each once, exact first
     /// Of the frames that are timed. It draws all variants but exact, which the z-buffer draws where it cannot.
     farfield::scenes::RendererKind renderer = farfield::scenes::RendererKind::z_buffer;
-    int samples = 1;                 ///< a pixel, of the frames that are timed
-    int threads = 1;                 ///< that draw a frame, exact's too
-    int width = 640, height = 360;   ///< pixels
-    int frames = 0;                  ///< above 0
-    std::optional<double> distance;  ///< from the scene's center, in its radii; none: fly through
-    double angle_degrees = 0;        ///< off the front, about the up axis
+    int samples = 1;                            ///< a pixel, of the frames that are timed
+    int threads = 1;                            ///< that draw a frame, exact's too
+    int width = 640, height = 360;              ///< pixels
+    int frames = 0;                             ///< above 0
+    std::optional<double> distance;             ///< from the scene's center, in its radii; none: fly through
+    std::optional<std::filesystem::path> path;  ///< of a camera, to be flown instead
+    double angle_degrees = 0;                   ///< off the front, about the up axis
     /// What each variant's tolerance is chosen by. None: all have `tolerance_px`.
     std::optional<farfield::WantedError> error = farfield::WantedError{};
     float tolerance_px = 1;

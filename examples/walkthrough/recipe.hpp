@@ -13,8 +13,11 @@ namespace walkthrough {
 template <class Hierarchy, class Inner = Hierarchy, class PartitionFor>
 Recipe recipe(PartitionFor partition_for, const typename Hierarchy::approximation_type& approximation) {
     using Scene = farfield::scenes::PlacedScene<Hierarchy, Inner>;
-    const auto build = [=](const farfield::scenes::Scene& scene) -> std::unique_ptr<farfield::scenes::BuiltScene> {
-        return std::make_unique<Scene>(scene, partition_for, approximation);
+    using farfield::scenes::SceneProgress;
+    const auto build = [=](const farfield::scenes::Scene& scene,
+                           const SceneProgress& progress) -> std::unique_ptr<farfield::scenes::BuiltScene> {
+        return std::make_unique<Scene>(scene, partition_for, approximation, typename Hierarchy::cost_model_type{},
+                                       progress);
     };
     return {build, Scene::obstacle};
 }

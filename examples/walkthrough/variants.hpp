@@ -14,7 +14,9 @@
 namespace walkthrough {
 
 struct Recipe {
-    std::function<std::unique_ptr<farfield::scenes::BuiltScene>(const farfield::scenes::Scene&)> build;
+    std::function<std::unique_ptr<farfield::scenes::BuiltScene>(const farfield::scenes::Scene&,
+                                                                const farfield::scenes::SceneProgress&)>
+        build;
     /// As PlacedScene::obstacle.
     std::string_view (*obstacle)(farfield::scenes::RendererKind);
 };
@@ -25,8 +27,9 @@ struct Variant {
     Recipe (*recipe)();
     farfield::DistanceMeasure distance = farfield::DistanceMeasure::nearest_point;
 
-    std::unique_ptr<farfield::scenes::BuiltScene> build(const farfield::scenes::Scene& scene) const {
-        return recipe().build(scene);
+    std::unique_ptr<farfield::scenes::BuiltScene> build(const farfield::scenes::Scene& scene,
+                                                        const farfield::scenes::SceneProgress& progress = {}) const {
+        return recipe().build(scene, progress);
     }
     /// Empty where the renderer can draw it.
     std::string_view obstacle(farfield::scenes::RendererKind kind) const { return recipe().obstacle(kind); }

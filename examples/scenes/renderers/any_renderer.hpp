@@ -73,8 +73,9 @@ class AnyRenderer {
     /// The same with the places; null unless RendererChoice::maps_work.
     virtual const CoverageWorkImage* work_map() const = 0;
     /// What the last frame drew, seen from above and behind, its frustum outlined in green and images that cells were
-    /// drawn by in red; null unless RendererChoice::looks_on and there were any. The next frame forgets it.
-    virtual const Image* from_outside() { return nullptr; }
+    /// drawn by in red; null unless RendererChoice::looks_on and there were any. The next frame forgets it. From a view
+    /// of the caller's own, if there is one, images or not.
+    virtual const Image* from_outside([[maybe_unused]] const LocalView* from = nullptr) { return nullptr; }
 };
 
 /// `is_strict`: what is drawn comes in strict order, which coverage masks make use of. Throws std::invalid_argument for

@@ -74,10 +74,12 @@ void Onlooker::draw_lines(const LocalView& view, std::span<const Segment> segmen
     renderer_->release(id);
 }
 
-const Image* Onlooker::from_outside() {
-    const float far = reach();
-    if (!(far > 0)) return nullptr;
-    const LocalView view = outer_view(far);
+const Image* Onlooker::from_outside(const LocalView* from) {
+    float far = reach();
+    if (from == nullptr && !(far > 0)) return nullptr;
+    // Without images the frustum is shown as long as whoever looks on is away, so that it does not shrink to a point.
+    if (!(far > 0)) far = glm::max(glm::length(from->eye - outermost_.eye), outermost_.near_depth);
+    const LocalView view = from != nullptr ? *from : outer_view(far);
     std::vector<Segment> images, frustum;
     renderer_->begin_frame(view);
     for (Batch& b : batches_) {
@@ -96,16 +98,16 @@ const Image* Onlooker::from_outside() {
             for (std::size_t i = 0; i < 4; ++i) images.push_back({c[i], c[(i + 1) % 4]});
         }
     }
-    const LocalView& from = outermost_;
-    const glm::vec2 half = glm::vec2(from.width, from.height) / (2 * from.focal_px * from.squeeze) * far;
-    const glm::vec2 axis = glm::vec2(from.off_center) * half;
+    const LocalView& own = outermost_;
+    const glm::vec2 half = glm::vec2(own.width, own.height) / (2 * own.focal_px * own.squeeze) * far;
+    const glm::vec2 axis = glm::vec2(own.off_center) * half;
     std::array<glm::vec3, 4> ends;
     for (std::size_t i = 0; i < 4; ++i) {
         const glm::vec2 side((i == 1 || i == 2 ? half.x : -half.x) + axis.x, (i < 2 ? half.y : -half.y) + axis.y);
-        ends[i] = from.eye + from.forward * far + from.right * side.x + from.up * side.y;
+        ends[i] = own.eye + own.forward * far + own.right * side.x + own.up * side.y;
     }
     for (std::size_t i = 0; i < 4; ++i) {
-        frustum.push_back({from.eye, ends[i]});
+        frustum.push_back({own.eye, ends[i]});
         frustum.push_back({ends[i], ends[(i + 1) % 4]});
     }
     draw_lines(view, images, {220, 30, 30, 255});

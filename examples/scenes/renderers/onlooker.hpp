@@ -78,7 +78,7 @@ class Onlooker final : public AnyRenderer {
     const CoverageWork* work() const override { return renderer_->work(); }
     const CoverageWorkImage* work_map() const override { return renderer_->work_map(); }
 
-    const Image* from_outside() override;
+    const Image* from_outside(const LocalView* from) override;
 
   private:
     /// What came in one call.

@@ -8,13 +8,13 @@
 
 namespace farfield::scenes {
 
-enum class RendererKind : std::uint8_t { z_buffer, coverage, hierarchical_z, painter };
+enum class RendererKind : std::uint8_t { z_buffer, coverage, hierarchical_z, painter, opengl };
 
 inline constexpr std::array renderer_kinds{RendererKind::z_buffer, RendererKind::coverage, RendererKind::hierarchical_z,
-                                           RendererKind::painter};
+                                           RendererKind::painter, RendererKind::opengl};
 
 inline constexpr std::string_view name_of(RendererKind kind) {
-    constexpr std::string_view names[] = {"z-buffer", "coverage", "hierarchical-z", "painter"};
+    constexpr std::string_view names[] = {"z-buffer", "coverage", "hierarchical-z", "painter", "opengl"};
     return names[std::size_t(kind)];
 }
 

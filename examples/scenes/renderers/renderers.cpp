@@ -5,6 +5,7 @@
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "scenes/renderers/coverage_renderers.hpp"
 #include "scenes/renderers/onlooker.hpp"
+#include "scenes/renderers/opengl_renderer.hpp"
 
 namespace farfield::scenes {
 namespace {
@@ -16,6 +17,16 @@ std::unique_ptr<AnyRenderer> coverage_renderer([[maybe_unused]] const RendererCh
 #else
     if (choice.masks_by_table) return make_table_coverage_renderer(choice);
     return is_strict ? make_strict_coverage_renderer(choice) : make_lazy_coverage_renderer(choice);
+#endif
+}
+
+std::unique_ptr<AnyRenderer> opengl_renderer([[maybe_unused]] const RendererChoice& choice) {
+#ifdef FARFIELD_HAS_OPENGL
+    return make_opengl_renderer(choice);
+#else
+    throw std::invalid_argument(
+        "OpenGL is not in this program: libepoxy was not found when it was configured (Debian and Ubuntu: "
+        "libepoxy-dev libegl-dev libegl-mesa0 libgl1-mesa-dri)");
 #endif
 }
 
@@ -40,6 +51,8 @@ std::unique_ptr<AnyRenderer> make_renderer(const RendererChoice& choice, bool is
             return std::make_unique<RendererBehind<PainterRenderer>>(painter);
         case RendererKind::coverage:
             return coverage_renderer(choice, is_strict);
+        case RendererKind::opengl:
+            return opengl_renderer(choice);
         case RendererKind::z_buffer:
             break;
     }

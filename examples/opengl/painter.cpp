@@ -1,0 +1,376 @@
+#include "opengl/painter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace farfield::opengl {
+namespace {
+
+/// Stand-ins of different laws are drawn in different states, two calls for so many of them; within, those that are
+/// strewn come before those that are surfaces. So there are never more calls than this, however many stand-ins.
+constexpr std::size_t most_slabs = 96;
+constexpr GLuint vertices_binding = 0, views_binding = 1;
+
+void set_view_attributes(GLuint array) {
+    for (GLuint i = 0; i < 6; ++i) {
+        glEnableVertexArrayAttrib(array, 2 + i);
+        glVertexArrayAttribFormat(array, 2 + i, 4, GL_FLOAT, GL_FALSE, 16 * i);
+        glVertexArrayAttribBinding(array, 2 + i, views_binding);
+    }
+    glVertexArrayBindingDivisor(array, views_binding, 1);
+}
+
+/// Records of one law after the other: independent, mixed, coherent.
+void sort_by_law(std::span<FarRecord> records) {
+    std::array<FarRecord, Chunk::most> sorted;
+    std::size_t count = 0;
+    for (const AreaLaw law : {AreaLaw::independent, AreaLaw::mixed, AreaLaw::coherent}) {
+        for (const FarRecord& r : records) {
+            if (law_of(r) == law) sorted[count++] = r;
+        }
+    }
+    std::copy_n(sorted.begin(), count, records.begin());
+}
+
+const void* at_word(std::size_t word) {
+    return reinterpret_cast<const void*>(word * sizeof(std::uint32_t));
+}
+
+}  // namespace
+
+Painter::Painter()
+    : triangles_(make_vertex_array()),
+      far_(make_vertex_array()),
+      corners_(make_buffer()),
+      records_(GL_TEXTURE_BUFFER) {
+    for (const GLuint array : {triangles_.name(), far_.name()}) set_view_attributes(array);
+    for (const GLuint attribute : {0u, 1u}) {
+        glEnableVertexArrayAttrib(triangles_.name(), attribute);
+        glVertexArrayAttribBinding(triangles_.name(), attribute, vertices_binding);
+    }
+    std::vector<std::uint16_t> corners;
+    for (std::uint32_t i = 0; i < Chunk::most; ++i) {
+        for (const std::uint32_t c : {0u, 1u, 2u, 0u, 2u, 3u}) corners.push_back(std::uint16_t(4 * i + c));
+    }
+    for (std::uint32_t i = 0; i < Chunk::most; ++i) {
+        for (const std::uint32_t c : {0u, 1u, 2u}) corners.push_back(std::uint16_t(4 * i + c));
+    }
+    glNamedBufferStorage(corners_.name(), GLsizeiptr(corners.size() * sizeof corners[0]), corners.data(), 0);
+    glVertexArrayElementBuffer(far_.name(), corners_.name());
+}
+
+void Painter::paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
+                    GLuint to, const PaintOptions& options) {
+    now_ = &lists_[options.quad_depth ? 1 : 0];
+    geometry_calls_.clear();
+    far_calls_.clear();
+    words_.clear();
+    upload(picture, sources);
+    add_far_calls(picture, images);
+    stats.uploaded_bytes += now_->commands.update(words_);
+    glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+    if (options.depth.is_quotient) {
+        glDisable(GL_DEPTH_CLAMP);
+    } else {
+        glEnable(GL_DEPTH_CLAMP);
+    }
+    for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) {
+        if (options.depth.clips) {
+            glEnable(distance);
+        } else {
+            glDisable(distance);
+        }
+    }
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_STENCIL_TEST);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, now_->commands.name());
+    draw_geometry(picture, sources, images, target, options);
+    far_part_ = far_part(picture, images, options);
+    if (!far_part_.is_empty()) draw_far(picture, images, target, options);
+    composite(target, to, options);
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+    glBindVertexArray(0);
+    glUseProgram(0);
+    glDisable(GL_DEPTH_CLAMP);
+    glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+}
+
+void Painter::add_command(const ArraysCommand& c) {
+    words_.insert(words_.end(), {c.count, c.instances, c.first, c.base_instance});
+}
+void Painter::add_command(const ElementsCommand& c) {
+    words_.insert(words_.end(), {c.count, c.instances, c.first_index, std::uint32_t(c.base_vertex), c.base_instance});
+}
+void Painter::begin_call(Call::Kind kind, std::size_t which) {
+    auto& calls = kind == Call::Kind::runs || kind == Call::Kind::streamed ? geometry_calls_ : far_calls_;
+    calls.push_back({kind, which, words_.size(), 0});
+}
+
+void Painter::upload(const Picture& picture, const Sources& sources) {
+    stats.uploaded_bytes += now_->views.update(picture.rows);
+    const auto runs = picture.runs();
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        begin_call(Call::Kind::runs, i);
+        geometry_calls_.back().count = runs[i].runs.size();
+        const bool is_indexed = sources[runs[i].source]->is_indexed;
+        for (const TriangleRun& run : runs[i].runs) {
+            if (is_indexed) {
+                add_command(ElementsCommand{3 * run.count, 1, 3 * run.first, 0, run.view});
+            } else {
+                add_command(ArraysCommand{3 * run.count, 1, 3 * run.first, run.view});
+            }
+        }
+    }
+    if (picture.streamed.chunks.empty()) return;
+    stats.uploaded_bytes +=
+        streamed_store_.update(picture.streamed.chunks, picture.streamed.records, [](std::span<TriangleVertices>) {});
+    begin_call(Call::Kind::streamed);
+    geometry_calls_.back().count = picture.streamed.chunks.size();
+    for (const Chunk& c : picture.streamed.chunks) {
+        add_command(ArraysCommand{3 * c.count, 1, 3 * streamed_store_.place_of(c), c.view});
+    }
+}
+
+void Painter::add_far_calls(const Picture& picture, const KeptImages& images) {
+    const std::vector<Chunk>& chunks = picture.far.chunks;
+    if (!chunks.empty()) {
+        const GLuint before = far_store_.name();
+        stats.uploaded_bytes += far_store_.update(chunks, picture.far.records, sort_by_law);
+        if (far_store_.name() != before) glTextureBuffer(records_.name(), GL_RG32UI, far_store_.name());
+    }
+    std::size_t next = 0;
+    for (std::size_t i = 0; i <= picture.images.size(); ++i) {
+        const bool is_end = i == picture.images.size();
+        if (!is_end && images[picture.images[i].quad.image].is_solid) continue;
+        const std::size_t end = is_end ? chunks.size() : picture.images[i].first_chunk;
+        add_far_chunks(std::span(chunks).subspan(next, end - next));
+        next = end;
+        if (!is_end) begin_call(Call::Kind::image, i);
+    }
+}
+
+void Painter::add_far_chunks(std::span<const Chunk> chunks) {
+    const std::size_t step = (chunks.size() + most_slabs - 1) / most_slabs;
+    for (std::size_t first = 0; first < chunks.size(); first += step) {
+        const auto slab = chunks.subspan(first, std::min(step, chunks.size() - first));
+        for (const Call::Kind kind : {Call::Kind::independent, Call::Kind::coherent}) {
+            for (const Chunk& c : slab) {
+                const std::uint32_t skipped = kind == Call::Kind::coherent ? c.of_law[0] : 0;
+                const std::uint32_t count = c.count - (kind == Call::Kind::coherent ? c.of_law[0] : c.of_law[2]);
+                if (count == 0) continue;
+                if (far_calls_.empty() || far_calls_.back().kind != kind) begin_call(kind);
+                ++far_calls_.back().count;
+                const auto vertex = std::int32_t(4 * (far_store_.place_of(c) + skipped));
+                if (c.is_of_faces) {
+                    add_command(ElementsCommand{6 * count, 1, 0, vertex, c.view});
+                } else {
+                    add_command(ElementsCommand{3 * count, 1, 6 * Chunk::most, vertex, c.view});
+                }
+            }
+        }
+    }
+}
+
+ScreenRectangle Painter::far_part(const Picture& picture, const KeptImages& images,
+                                  const PaintOptions& options) const {
+    DrawnPart part(options.width, options.height);
+    for (const Chunk& c : picture.far.chunks) part.add(c.box, picture.rows[c.view]);
+    for (const PlacedImage& placed : picture.images) {
+        const ImageQuad& q = placed.quad;
+        if (images[q.image].is_solid) continue;
+        for (const glm::vec3 corner : {q.corner, q.corner + q.across, q.corner + q.down, q.corner + q.across + q.down})
+            part.add(corner, picture.rows[placed.view]);
+    }
+    return part.rectangle();
+}
+
+GLuint Painter::use(Shader shader, unsigned features, const PaintOptions& options) {
+    if (options.depth.clips) features |= CLIPS;
+    if (options.slice) features |= SLICED;
+    const GLuint program = programs_.get(shader, features);
+    glUseProgram(program);
+    if (options.slice) glUniform2f(3, options.slice->x, options.slice->y);
+    return program;
+}
+
+void Painter::draw_geometry(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
+                            const PaintOptions& options) {
+    const int width = options.width * options.side, height = options.height * options.side;
+    target.fit_geometry(width, height);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.geometry.name());
+    glViewport(0, 0, width, height);
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_TRUE);
+    glDepthFunc(GL_GREATER);
+    glDisable(GL_BLEND);
+    const GLfloat nothing = 0;
+    glClearBufferfv(GL_COLOR, 0, &options.background.x);
+    glClearBufferfv(GL_DEPTH, 0, &nothing);
+    if (options.culls_back_faces) {
+        glEnable(GL_CULL_FACE);
+        glCullFace(GL_BACK);
+        glFrontFace(options.is_mirrored ? GL_CW : GL_CCW);
+    }
+    const GLuint array = triangles_.name();
+    glBindVertexArray(array);
+    glVertexArrayVertexBuffer(array, views_binding, now_->views.name(), 0, sizeof(ViewRow));
+    for (const Call& call : geometry_calls_) {
+        const bool is_streamed = call.kind == Call::Kind::streamed;
+        const TriangleSource* source = is_streamed ? nullptr : sources[picture.runs()[call.which].source].get();
+        MeshVertices v;
+        v.buffer = streamed_store_.name();
+        if (!is_streamed) v = source->vertices;
+        const bool translucent = is_streamed ? picture.has_translucent_streamed : source->has_translucent;
+        use(Shader::triangles, (options.light ? LIT : 0u) | (translucent ? TRANSLUCENT : 0u), options);
+        if (options.light) glUniform2f(1, options.light->ambient, options.light->diffuse);
+        if (translucent) glUniform2i(2, options.first_sample.x, options.first_sample.y);
+        glVertexArrayVertexBuffer(array, vertices_binding, v.buffer, v.first, v.stride);
+        glVertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, v.position_offset);
+        glVertexArrayAttribFormat(array, 1, 4, GL_UNSIGNED_BYTE, GL_TRUE, v.color_offset);
+        const auto count = GLsizei(call.count);
+        if (!is_streamed && source->is_indexed) {
+            glVertexArrayElementBuffer(array, source->own.name());
+            glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, at_word(call.first), count, 0);
+        } else {
+            glMultiDrawArraysIndirect(GL_TRIANGLES, at_word(call.first), count, 0);
+        }
+        ++stats.draw_calls;
+    }
+    glDisable(GL_CULL_FACE);
+    for (const PlacedImage& placed : picture.images) {
+        draw_image(placed, images, images[placed.quad.image].is_solid ? 0 : 1, 1, options);
+    }
+}
+
+void Painter::draw_far(const Picture& picture, const KeptImages& images, Target& target, const PaintOptions& options) {
+    const bool keeps_depths = options.quad_depth.has_value();
+    const int width = options.width * options.side * options.lanes;
+    const int height = options.height * options.side * options.lanes;
+    target.fit_deposits(width, height, keeps_depths);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.deposits.name());
+    glViewport(0, 0, width, height);
+    const int scale = options.side * options.lanes;
+    glScissor(far_part_.left * scale, far_part_.top * scale, far_part_.width() * scale, far_part_.height() * scale);
+    glEnable(GL_SCISSOR_TEST);
+    const GLfloat nothing[4] = {0, 0, 0, 0}, no_depth[4] = {-1, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, nothing);
+    if (target.nearest.name() != 0) glClearBufferfv(GL_COLOR, 1, no_depth);
+    glDepthMask(GL_TRUE);
+    if (geometry_calls_.empty() && picture.images.empty()) {
+        glClearBufferfv(GL_DEPTH, 0, nothing);
+    } else {
+        glDepthFunc(GL_ALWAYS);
+        glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);  // a shader that gives no color leaves any
+        glUseProgram(programs_.get(Shader::copied_depth));
+        glUniform1i(11, options.lanes);
+        glBindTextureUnit(2, target.depth.name());
+        for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+        glBindVertexArray(far_.name());
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        ++stats.draw_calls;
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+        if (options.depth.clips) {
+            for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glEnable(distance);
+        }
+    }
+    glDepthFunc(GL_GREATER);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_BLEND);
+    if (keeps_depths) {
+        glBlendEquationi(1, GL_MAX);
+        glBlendFunci(1, GL_ONE, GL_ONE);
+    }
+    glBindTextureUnit(0, records_.name());
+    glVertexArrayVertexBuffer(far_.name(), views_binding, now_->views.name(), 0, sizeof(ViewRow));
+    std::optional<Call::Kind> state;
+    for (const Call& call : far_calls_) {
+        if (state != call.kind) {
+            // The area law, front to back: alpha is what is covered. See README.md.
+            if (call.kind == Call::Kind::coherent) {
+                glBlendFunci(0, GL_SRC_ALPHA_SATURATE, GL_ONE);
+            } else {
+                glBlendFunci(0, GL_ONE_MINUS_DST_ALPHA, GL_ONE);
+            }
+            if (call.kind != Call::Kind::image) {
+                use(Shader::far_field, keeps_depths ? KEEPS_DEPTHS : 0u, options);
+                glUniform2f(0, float(width), float(height));
+                glUniform1i(1, call.kind == Call::Kind::coherent ? 1 : 0);
+                glBindVertexArray(far_.name());
+                glBindTextureUnit(0, records_.name());
+            }
+            state = call.kind;
+        }
+        if (call.kind == Call::Kind::image) {
+            draw_image(picture.images[call.which], images, 2, options.lanes, options);
+            continue;
+        }
+        glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, at_word(call.first), GLsizei(call.count), 0);
+        ++stats.draw_calls;
+    }
+    if (keeps_depths) glBlendEquationi(1, GL_FUNC_ADD);
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ZERO);
+}
+
+void Painter::draw_image(const PlacedImage& placed, const KeptImages& images, int mode, int lanes,
+                         const PaintOptions& options) {
+    const KeptImage& image = images[placed.quad.image];
+    const ImageQuad& q = placed.quad;
+    use(Shader::image_quad, mode == 2 && options.quad_depth ? KEEPS_DEPTHS : 0u, options);
+    glUniform3fv(4, 1, &q.corner.x);
+    glUniform3fv(5, 1, &q.across.x);
+    glUniform3fv(6, 1, &q.down.x);
+    glUniform2f(7, float(image.width), float(image.height));
+    glUniform2i(8, image.width, image.height);
+    glUniform1i(9, mode);
+    glUniform4i(10, int(std::lround(q.first_part * 64)), int(std::lround(q.end_part * 64)), options.beside.x,
+                options.beside.y);
+    glUniform1i(11, lanes);
+    glUniform2f(12, options.depth.bias, options.depth.is_perspective ? 1.0f : 0.0f);
+    glBindTextureUnit(0, image.color.name());
+    glBindTextureUnit(1, image.depth.name());
+    glBindVertexArray(far_.name());
+    glVertexArrayVertexBuffer(far_.name(), views_binding, now_->views.name(), 0, sizeof(ViewRow));
+    glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, 1, placed.view);
+    ++stats.draw_calls;
+}
+
+void Painter::composite(Target& target, GLuint to, const PaintOptions& options) {
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
+    glViewport(0, 0, options.width, options.height);
+    glDisable(GL_DEPTH_TEST);
+    for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+    // Where samples are pixels, what the far field leaves alone is copied.
+    const bool copies = options.side == 1 && !options.quad_depth;
+    const ScreenRectangle& part = far_part_;
+    if (copies) {
+        glBlitNamedFramebuffer(target.geometry.name(), to, 0, 0, options.width, options.height, 0, 0, options.width,
+                               options.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+        if (part.is_empty()) return;
+        glScissor(part.left, part.top, part.width(), part.height());
+        glEnable(GL_SCISSOR_TEST);
+    }
+    glUseProgram(programs_.get(Shader::composite, options.quad_depth ? KEEPS_DEPTHS : 0u));
+    glUniform1i(1, options.side);
+    glUniform1i(11, options.lanes);
+    glUniform4i(2, part.left, part.top, part.right, part.bottom);
+    glBindTextureUnit(0, target.color.name());
+    glBindTextureUnit(1, target.far_field.name());
+    if (options.quad_depth) {
+        glUniform3f(3, *options.quad_depth, options.depth.bias, options.depth.is_perspective ? 1.0f : 0.0f);
+        glBindTextureUnit(2, target.depth.name());
+        glBindTextureUnit(3, target.nearest.name());
+    }
+    glBindVertexArray(far_.name());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    ++stats.draw_calls;
+    glDisable(GL_SCISSOR_TEST);
+    for (const GLuint unit : {0u, 1u, 2u, 3u}) glBindTextureUnit(unit, 0);
+}
+
+}  // namespace farfield::opengl

@@ -1,0 +1,113 @@
+// Draws a picture: geometry with a depth buffer, stand-ins front to back by the area law over it, then both as pixels.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "farfield/geometry/light.hpp"
+#include "opengl/chunk_store.hpp"
+#include "opengl/kept_images.hpp"
+#include "opengl/mirrored_buffer.hpp"
+#include "opengl/picture.hpp"
+#include "opengl/screen_rectangle.hpp"
+#include "opengl/shaders.hpp"
+#include "opengl/target.hpp"
+#include "opengl/triangles.hpp"
+
+namespace farfield::opengl {
+
+/// How a picture is drawn.
+struct PaintOptions {
+    int width = 0, height = 0;  ///< in pixels
+    int side = 1;               ///< of a pixel, in samples
+    int lanes = 1;              ///< of a sample's side
+    DepthRule depth{};
+    glm::vec4 background{0};  ///< premultiplied
+    std::optional<DirectionalLight> light{};
+    bool culls_back_faces = false, is_mirrored = false;
+    glm::ivec2 first_sample{0};  ///< of the whole picture's, relative to its middle
+    glm::ivec2 beside{0};        ///< samples of the whole picture to the left and above
+    std::optional<glm::vec2> slice{};  ///< only what has depths between these, as in the depth buffer
+    std::optional<float> quad_depth{};  ///< it is an image: the rectangle's depth, as in the depth buffer
+};
+
+/// Counts of one frame, images made in it included.
+struct PaintStats {
+    std::uint64_t draw_calls = 0;
+    std::uint64_t uploaded_bytes = 0;
+};
+
+class Painter {
+  public:
+    using Sources = std::vector<std::shared_ptr<const TriangleSource>>;
+
+    Painter();
+
+    /// Draws into `target` and, as pixels, into a framebuffer of the picture's size, which has a second attachment for
+    /// relative depths if it is an image.
+    void paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
+               GLuint to, const PaintOptions& options);
+
+    /// Shows of each draw that hides something, once a frame, what can be asked with the depth of the last picture.
+    Programs& programs() { return programs_; }
+
+    PaintStats stats;
+
+  private:
+    struct ArraysCommand {
+        std::uint32_t count, instances, first, base_instance;
+    };
+    struct ElementsCommand {
+        std::uint32_t count, instances, first_index;
+        std::int32_t base_vertex;
+        std::uint32_t base_instance;
+    };
+    struct Call {
+        enum class Kind : unsigned char { runs, streamed, independent, coherent, image };
+        Kind kind;
+        std::size_t which = 0;                ///< of the runs, or of the images
+        std::size_t first = 0, count = 0;     ///< commands, in words and in number
+    };
+
+    void upload(const Picture& picture, const Sources& sources);
+    void add_far_calls(const Picture& picture, const KeptImages& images);
+    void add_far_chunks(std::span<const Chunk> chunks);
+    void add_command(const ArraysCommand& c);
+    void add_command(const ElementsCommand& c);
+    void begin_call(Call::Kind kind, std::size_t which = 0);
+
+    void draw_geometry(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
+                       const PaintOptions& options);
+    void draw_far(const Picture& picture, const KeptImages& images, Target& target, const PaintOptions& options);
+    void draw_image(const PlacedImage& placed, const KeptImages& images, int mode, int lanes,
+                    const PaintOptions& options);
+    ScreenRectangle far_part(const Picture& picture, const KeptImages& images, const PaintOptions& options) const;
+    void composite(Target& target, GLuint to, const PaintOptions& options);
+    GLuint use(Shader shader, unsigned features, const PaintOptions& options);
+
+    /// Views, commands and their order, of frames and of images apart: what a frame has is then as it was.
+    struct Lists {
+        MirroredBuffer views, commands;
+    };
+
+    Programs programs_;
+    VertexArray triangles_, far_;
+    Buffer corners_;  ///< of the records of a chunk, six each
+    Texture records_;
+    Lists lists_[2];
+    Lists* now_ = nullptr;
+    ChunkStore<FarRecord> far_store_;
+    ChunkStore<TriangleVertices> streamed_store_;
+    std::vector<std::uint32_t> words_;  ///< of commands
+    std::vector<Call> geometry_calls_, far_calls_;
+    ScreenRectangle far_part_;  ///< in pixels
+};
+
+}  // namespace farfield::opengl

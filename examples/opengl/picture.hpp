@@ -1,0 +1,169 @@
+// What is to be drawn into one picture, kept until it is complete: draws of many instances and batches then become few
+// calls, and what the last frame drew too is recognized.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "farfield/drawables.hpp"
+#include "farfield/geometry/light.hpp"
+#include "farfield/view/local_view.hpp"
+#include "opengl/chunk_store.hpp"
+#include "opengl/far_record.hpp"
+#include "opengl/triangles.hpp"
+#include "opengl/view_row.hpp"
+
+namespace farfield::opengl {
+
+/// A run of a source, in triangles.
+struct TriangleRun {
+    std::uint32_t first, count, view;
+};
+
+struct RunsOfSource {
+    std::uint32_t source = 0;
+    std::vector<TriangleRun> runs{};
+};
+
+struct PlacedImage {
+    ImageQuad quad;
+    std::uint32_t view;
+    std::size_t first_chunk;  ///< of the stand-ins that come after it
+};
+
+class Picture {
+  public:
+    /// Chunks of records of one type.
+    template <class Record>
+    class Stream {
+      public:
+        std::vector<Record> records;
+        std::vector<Chunk> chunks;
+
+        void clear() {
+            records.clear();
+            chunks.clear();
+            is_open_ = false;
+        }
+        /// The next record begins a new chunk.
+        void close() { is_open_ = false; }
+        void add(const Record& record, std::uint32_t view) {
+            if (is_open_ && chunks.back().view != view) is_open_ = false;
+            if constexpr (std::is_same_v<Record, FarRecord>) {
+                if (is_open_ && chunks.back().is_of_faces != is_face(record)) is_open_ = false;
+            }
+            if (!is_open_) {
+                chunks.push_back({.first = std::uint32_t(records.size()), .view = view, .hash = sizeof(Record)});
+                is_open_ = true;
+            }
+            records.push_back(record);
+            Chunk& chunk = chunks.back();
+            ++chunk.count;
+            if constexpr (std::is_same_v<Record, FarRecord>) {
+                ++chunk.of_law[std::size_t(law_of(record)) % 3];
+                chunk.is_of_faces = is_face(record);
+                const Box box = box_of(record);
+                chunk.box = {glm::min(chunk.box.lower, box.lower), glm::max(chunk.box.upper, box.upper)};
+            }
+            chunk.hash = hash_of(chunk.hash, record);
+            const std::uint64_t own = hash_of(0, record);
+            is_open_ = own % Chunk::mean != 0 && chunk.count < Chunk::most;
+        }
+
+      private:
+        bool is_open_ = false;
+    };
+
+    void begin(const LocalView& view) {
+        for (RunsOfSource& of_source : runs_) of_source.runs.clear();
+        sources_used_ = 0;
+        place_of_source_.clear();
+        streamed.clear();
+        far.clear();
+        images.clear();
+        rows.clear();
+        known_rows_.clear();
+        has_translucent_streamed = false;
+        set_view(view, nullptr);
+    }
+    void set_view(const LocalView& view, const DirectionalLight* light) {
+        const ViewRow row = view_row(view, light);
+        if (row_ && row == *row_) return;
+        row_ = row;
+        number_ = none;
+    }
+
+    void add_run(std::uint32_t source, glm::vec3 origin, std::uint32_t first, std::uint32_t end) {
+        if (first == end) return;
+        const auto [found, is_new] = place_of_source_.try_emplace(source, sources_used_);
+        if (is_new) {
+            if (sources_used_ == runs_.size()) runs_.emplace_back();
+            runs_[sources_used_++].source = source;
+        }
+        std::vector<TriangleRun>& runs = runs_[found->second].runs;
+        const std::uint32_t view = view_from(origin);
+        if (!runs.empty() && runs.back().view == view && runs.back().first + runs.back().count == first) {
+            runs.back().count += end - first;
+        } else {
+            runs.push_back({first, end - first, view});
+        }
+    }
+    void add(const TriangleVertices& t) {
+        has_translucent_streamed = has_translucent_streamed || is_translucent(t);
+        streamed.add(t, view());
+    }
+    void add(const Face& face) {
+        if (face.rgba.a != 0) far.add(record_of(face), view());
+    }
+    void add(const Splat& splat) { far.add(record_of(splat), view()); }
+    void add(const ImageQuad& quad) {
+        far.close();
+        images.push_back({quad, view(), far.chunks.size()});
+    }
+
+    std::span<const RunsOfSource> runs() const { return {runs_.data(), sources_used_}; }
+
+    Stream<TriangleVertices> streamed;  ///< of sources that change
+    Stream<FarRecord> far;              ///< front to back
+    std::vector<PlacedImage> images;
+    std::vector<ViewRow> rows;
+    bool has_translucent_streamed = false;
+
+  private:
+    static constexpr std::uint32_t none = ~std::uint32_t(0);
+
+    /// The number of the view's row, which is there once however often a descent comes back to it.
+    std::uint32_t view() {
+        if (number_ == none) number_ = number_of(*row_);
+        return number_;
+    }
+    std::uint32_t view_from(glm::vec3 origin) {
+        if (origin == glm::vec3(0)) return view();
+        ViewRow moved = *row_;
+        moved.anchor += glm::vec4(origin, 0);
+        return number_of(moved);
+    }
+    std::uint32_t number_of(const ViewRow& row) {
+        const auto [found, is_new] = known_rows_.try_emplace(hash_of(0, row), std::uint32_t(rows.size()));
+        if (is_new) rows.push_back(row);
+        return found->second;
+    }
+
+    std::vector<RunsOfSource> runs_;
+    std::size_t sources_used_ = 0;
+    std::unordered_map<std::uint32_t, std::size_t> place_of_source_;
+    std::unordered_map<std::uint64_t, std::uint32_t> known_rows_;
+    std::optional<ViewRow> row_;
+    std::uint32_t number_ = none;
+};
+
+}  // namespace farfield::opengl
