@@ -2,7 +2,7 @@
 # Builds the viewer and opens its window, on a bare Debian 12 with a display: installs what is missing. From any
 # directory:
 #
-#   examples/view.sh [VIEWER-ARGUMENT...]     as in: examples/view.sh --scene island, or a file of your own
+#   examples/view.sh [VIEWER-ARGUMENT...]     as in: examples/view.sh quadrupled-forest, or a file of your own
 #
 # Environment: as for run.sh.
 set -euo pipefail
