@@ -227,7 +227,9 @@ class Viewer {
   private:
     LocalView outermost(const View& view) const {
         const bool has_splats = R::facts.draws_splats && sources_.have_stand_ins();
-        return LocalView(view, hierarchy_.origin(), hierarchy_.bounds(), has_splats ? view.tolerance_px : 0.0f);
+        LocalView local(view, hierarchy_.origin(), hierarchy_.bounds(), has_splats ? view.tolerance_px : 0.0f);
+        local.splat_limit_px = queue_.splat_limit_px();
+        return local;
     }
 
     template <class Sink>

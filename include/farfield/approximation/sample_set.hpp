@@ -106,7 +106,8 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
     /// With samples it is about the cell's projected bounding box (section 4.2), whose sides are 1.5 of the cell's on
     /// average over directions; splats are as large as cells.
     float error_px(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
-        return inner.error_px(data.inner, cell, view) * (draws_samples(view) ? 1.5f : 1.0f);
+        const bool with_sample = !leaves_out_samples(view, view.splat_limit_px);
+        return inner.error_px(data.inner, cell, view) * (with_sample ? 1.5f : 1.0f);
     }
     float least_error_px(const Cell& cell, unsigned levels, const LocalView& view) const
         requires(Inner::facts.bounds_error) {

@@ -49,9 +49,10 @@ inline bool is_same_view(const LocalView& a, const LocalView& b) {
            a.is_perspective == b.is_perspective && a.is_mirrored == b.is_mirrored && a.focal_px == b.focal_px &&
            a.squeeze == b.squeeze && a.whole_off_center == b.whole_off_center && a.near_depth == b.near_depth &&
            a.far_depth == b.far_depth && a.tolerance_px == b.tolerance_px && a.tolerance_jitter == b.tolerance_jitter &&
-           a.fade == b.fade && a.wanted == b.wanted && a.distance == b.distance && a.width == b.width &&
-           a.height == b.height && a.part.left == b.part.left && a.part.top == b.part.top &&
-           a.part.whole_width == b.part.whole_width && a.part.whole_height == b.part.whole_height;
+           a.fade == b.fade && a.splat_limit_px == b.splat_limit_px && a.wanted == b.wanted &&
+           a.distance == b.distance && a.width == b.width && a.height == b.height && a.part.left == b.part.left &&
+           a.part.top == b.part.top && a.part.whole_width == b.part.whole_width &&
+           a.part.whole_height == b.part.whole_height;
 }
 }  // namespace detail
 

@@ -48,6 +48,8 @@ struct LocalView {
     WantedError wanted = WantedError::any();
     float tolerance_jitter = 0;
     float fade = 0;
+    /// The largest splat of the renderer that the view is for; 0: it draws none, or is not known.
+    float splat_limit_px = 0;
     DistanceMeasure distance = DistanceMeasure::nearest_point;
     int width = 0;
     int height = 0;
