@@ -279,7 +279,7 @@ class Viewer {
         images_.has_eye = true;
         stats_.images_made = maker.update(hierarchy_, primitives_, local, path, instances_, deposits_);
         const ImageCacheOptions& options = hierarchy_.approximation_policy().images();
-        detail::DrawWithImages<R> sink(renderer_, queue_, maker.kept(), options, /*is_in_image=*/false);
+        detail::DrawWithImages<R> sink(renderer_, queue_, maker.kept(), options);
         detail::Descent<R, detail::DrawWithImages<R>> descent(sources_, instances_, stats_, sink, deposits_);
         descent.enter(hierarchy_, primitives_, local, 0);
         stats_.images = sink.images();

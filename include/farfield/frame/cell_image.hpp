@@ -45,8 +45,9 @@ struct CellImage {
     float making_price = 0;  ///< of making it, that included
     std::uint32_t made_frame = 0;
     std::uint32_t lives = 1;  ///< frames that it was made for
-    /// What it shows is partly images of cells below: it is good inside this sphere, and for half the threshold.
-    float inherited_radius = std::numeric_limits<float>::infinity();
+    /// What it shows is partly images of cells below: it is good inside this sphere, where nothing in those subtends a
+    /// larger angle than one of this sine, and itself for half the threshold.
+    float inherited_radius = std::numeric_limits<float>::infinity(), inherited_sine = 0;
     bool is_of_images = false;
 
     ImagePlace slice(int i) const {
@@ -133,16 +134,30 @@ inline float allowed_sine(const LocalView& view, const ImageCacheOptions& option
     const float pixels = options.threshold_px * part;
     return options.is_conservative ? sine_of_pixels_anywhere(pixels, view) : sine_of_pixels(pixels, view);
 }
-/// Sets the zone in which the image is good for `part` of the threshold.
-inline void set_safety_zone(CellImage& image, const LocalView& view, const ImageCacheOptions& options) {
-    image.safe_sine = allowed_sine(view, options, image.is_of_images ? 0.5f : 1.0f);
-    image.safe_radius = std::numeric_limits<float>::infinity();
+/// The radius of the sphere around where an image was made in which nothing that its slices show is displaced by more
+/// than an angle of that sine. In perspective.
+inline float safe_radius_of(const CellImage& image, float sine, bool is_conservative) {
+    float radius = std::numeric_limits<float>::infinity();
+    // Slices between the first and the last are displaced less than one of these: see planned_image().
     for (int i = 0; i < image.slices; i += std::max(1, image.slices - 1)) {
         const ImagePlace place = image.slice(i);
-        image.safe_radius =
-            std::min(image.safe_radius, options.is_conservative ? conservative_radius(place, image.safe_sine)
-                                                                : safety_radius(place, image.safe_sine));
+        radius = std::min(radius, is_conservative ? conservative_radius(place, sine) : safety_radius(place, sine));
     }
+    return radius;
+}
+/// Sets the zone in which the image is good.
+inline void set_safety_zone(CellImage& image, const LocalView& view, const ImageCacheOptions& options) {
+    image.safe_sine = allowed_sine(view, options, image.is_of_images ? 0.5f : 1.0f);
+    image.safe_radius = safe_radius_of(image, image.safe_sine, options.is_conservative);
+}
+/// Makes a box hold more than the cell's, as rectangles that an image of one slice shows reach out of it.
+inline void enlarge_box(CellImage& image, const LocalView& view, glm::vec3 low, glm::vec3 high) {
+    image.place.center = 0.5f * (low + high);
+    image.place.half = 0.5f * (high - low);
+    image.pixels_a_unit = view.pixels(1, length_of(image.place.center - view.eye));
+    const float middle = view.depth(image.place.center), reach = glm::dot(glm::abs(view.forward), image.place.half);
+    image.extents[0].nearest = std::min(image.extents[0].nearest, middle - reach);
+    image.extents[0].farthest = std::max(image.extents[0].farthest, middle + reach);
 }
 
 /// Whether an image may be drawn in a view in place of what it shows, with its error at most `part` of the threshold.
@@ -153,12 +168,15 @@ inline bool is_good(const CellImage& image, const LocalView& view, const ImageCa
     const float now = view.pixels(1, length_of(image.place.center - view.eye));
     if (!(now <= image.pixels_a_unit * options.most_magnified && now * options.most_minified >= image.pixels_a_unit))
         return false;
-    if (!(length_of(view.eye - image.place.eye) <= image.inherited_radius)) return false;
-    if (image.is_of_images) part *= 0.5f;
+    if (image.is_of_images) {
+        if (!(length_of(view.eye - image.place.eye) <= image.inherited_radius)) return false;
+        part *= 0.5f;
+        // It is the same angle unless resolution or field of view have changed.
+        if (!(image.inherited_sine <= allowed_sine(view, options, part))) return false;
+    }
     const bool is_safe = view.is_perspective && image.safe_sine > 0 &&
                          length_of(view.eye - image.place.eye) <= image.safe_radius &&
                          image.safe_sine <= allowed_sine(view, options, part);
-    // Slices between the first and the last are displaced less than one of these: see planned_image().
     for (int i = 0; i < image.slices; i += std::max(1, image.slices - 1)) {
         const ImageQuad quad = image.quad(i);
         for (const glm::vec3& p :

@@ -116,7 +116,7 @@ class Descent {
         subtree.crossed_planes = all_planes;
         subtree.crossed_borders = all_borders;
         sink_.enter(v);
-        visit(v, subtree, LawOf<Visit<H, P>>(), /*may_be_image=*/false);
+        visit(v, subtree, LawOf<Visit<H, P>>(), /*may_be_image=*/false);  // but what is below may
         sink_.leave(v);
     }
 
@@ -194,7 +194,7 @@ class Descent {
                 return;
             }
         }
-        visit_contents(v, subtree, node, items, law, /*has_images_below=*/false);
+        visit_contents(v, subtree, node, items, law, /*has_images_below=*/!may_be_image);
     }
 
     /// Whether a subtree of so many items cannot be seen, as far as the renderer knows.

@@ -50,6 +50,7 @@ class ImageMaker {
         instances_ = &instances;
         deposits_ = deposits;
         options_ = &options;
+        path_ = &path;
         kept_.begin_frame();
         kept_.end_fades(options.fade_frames, [&](std::uint32_t handle) { renderer_.free_image(handle); });
         stats_ = {};
@@ -96,18 +97,30 @@ class ImageMaker {
     void draw_contents(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path,
                        const Subtree& subtree) {
         queue_.begin_frame();
-        DrawWithImages<R> sink(renderer_, queue_, kept_, *options_, /*is_in_image=*/true);
+        DrawWithImages<R> sink(renderer_, queue_, kept_, *options_, of_images_);
         Descent<R, DrawWithImages<R>> descent(sources_, *instances_, stats_, sink, deposits_);
         descent.enter_at(h, primitives, view, path, subtree);
         queue_.replay();
-        images_in_image_ = sink.images();
-        inherited_radius_ = sink.inherited_radius();
     }
 
   private:
     std::uint64_t bytes_of(const WantedImage<ImageMaker>& wanted) const {
         return std::uint64_t(wanted.slices) *
                std::uint64_t(renderer_.image_bytes(wanted.rect.width, wanted.rect.height));
+    }
+
+    /// What an image may show of images of cells below. It lives half as long with them, or not that, so they have to
+    /// save as much, and to be good for half of the way that it would have served on. In slices there are none: what a
+    /// rectangle shows may lie in several.
+    ImageOfImages of_images_below(const WantedImage<ImageMaker>& wanted) const {
+        const glm::vec3 center = wanted.subtree.cell.bounds_center, half = wanted.subtree.cell.bounds_half;
+        ImageOfImages of{.view = wanted.view, .low = center - half, .high = center + half};
+        const float of_geometry = wanted.making_price,
+                    of_images = of_geometry - wanted.whole_price + wanted.contents_price;
+        of.may_be_drawn = wanted.slices == 1 && 2 * of_images < of_geometry;
+        const std::uint32_t frames = std::max(1u, std::min(wanted.lives, ExpectedPath::farthest) / 2);
+        of.least_radius = std::max(length_of(path_->after(frames)), options_->most_speed * float(frames));
+        return of;
     }
 
     /// "If the dimensions [fit] we redefine the viewing frustum so that it contains the entire node without changing
@@ -129,21 +142,17 @@ class ImageMaker {
                                         wanted.rect, wanted.slices);
         const LocalView view =
             wanted.view.rectangle(wanted.rect.left, wanted.rect.top, wanted.rect.width, wanted.rect.height);
-        float inherited = std::numeric_limits<float>::infinity();
+        ImageOfImages of_images = of_images_below(wanted);
+        of_images_ = &of_images;
         const auto slices = std::size_t(image.slices);
         std::array<ImageSlice, ImageCacheOptions::most_slices> extents = image.extents;
         // Nothing in the box is left out for a rounding.
         extents[0].nearest = -std::numeric_limits<float>::infinity();
         extents[slices - 1].farthest = std::numeric_limits<float>::infinity();
-        const auto draw = [&](const LocalView& as_seen) {
-            wanted.draw(*this, wanted, as_seen);
-            image.is_of_images = image.is_of_images || images_in_image_ != 0;
-            inherited = std::min(inherited, inherited_radius_);
-        };
         MadeSlices made(renderer_, {image.handles.data(), slices});
         if constexpr (R::facts.slices_images) {
             renderer_.begin_image(view, std::span<const ImageSlice>(extents.data(), slices), options_->samples);
-            draw(view);
+            wanted.draw(*this, wanted, view);
             std::array<std::uint32_t, ImageCacheOptions::most_slices> handles{};
             renderer_.end_image(std::span<std::uint32_t>(handles.data(), slices));
             image.handles = handles;
@@ -151,7 +160,7 @@ class ImageMaker {
             for (std::size_t i = 0; i < slices; ++i) {
                 const LocalView slice = slices == 1 ? view : view.between(extents[i].nearest, extents[i].farthest);
                 renderer_.begin_image(slice, extents[i].depth, options_->samples);
-                draw(slice);
+                wanted.draw(*this, wanted, slice);
                 image.handles[i] = renderer_.end_image();
                 if (image.handles[i] == 0) break;
             }
@@ -160,7 +169,12 @@ class ImageMaker {
             cell.refused_frame = kept_.frame();
             return false;
         }
-        image.inherited_radius = inherited / wanted.view.scale;
+        if (of_images.images != 0) {
+            image.is_of_images = true;
+            image.inherited_radius = of_images.inherited_radius / wanted.view.scale;
+            image.inherited_sine = allowed_sine(wanted.view, *options_, 0.5f);
+            enlarge_box(image, wanted.view, of_images.low, of_images.high);
+        }
         image.bytes = bytes;
         image.whole_price = wanted.whole_price;
         image.making_price = wanted.making_price;
@@ -201,8 +215,8 @@ class ImageMaker {
     const ImageCacheOptions* options_ = nullptr;
     InstanceStack* instances_ = nullptr;
     bool deposits_ = false;
-    std::size_t images_in_image_ = 0;
-    float inherited_radius_ = std::numeric_limits<float>::infinity();
+    const ExpectedPath* path_ = nullptr;
+    ImageOfImages* of_images_ = nullptr;  ///< of the image that is being made
 };
 
 }  // namespace farfield::detail
