@@ -1,8 +1,9 @@
 // Scenes larger than memory (Klein et al. 2002, sections 5 to 7), on their chessboards: building within 256 MiB, frames
 // of a walk with a cache of 64 MiB, the first image, and caches smaller than what a walk needs.
 //
-//     bench_pages [--quick] [--directory DIR] [--millions N[,N...]]
+//     bench_pages [--quick] [--directory DIR] [--millions N[,N...]] [--url URL]
 //
+// --url: what a web server gives of the last file, for caches smaller than a walk needs, and nothing else.
 // Files are kept in DIR (default: bench_pages in the system's folder for temporary files) and used again.
 #include <sys/resource.h>
 
@@ -17,8 +18,12 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
+#if FARFIELD_HAS_HTTP
+#include "farfield/adapters/http_page_source.hpp"
+#endif
 #include "farfield/approximation/sample_set.hpp"
 #include "farfield/build_pages.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
@@ -95,84 +100,135 @@ T quantile(std::vector<T> values, double q) {
     return values[std::size_t(q * double(values.size() - 1))];
 }
 
-void walks(const std::filesystem::path& path, std::uint64_t triangles, int frames) {
+/// Frames of one view until nothing is missing, or no more comes: a cache may be too small for it.
+template <class V>
+void settle(V& viewer, const Paged& pages, const View& view) {
+    std::uint64_t loads = 0;
+    auto last = Clock::now();
+    while (viewer.frame(view).cells_missing != 0 && ms_since(last) < 1000) {
+        if (const std::uint64_t now = pages.cache_stats().loads; now != loads) {
+            loads = now;
+            last = Clock::now();
+        }
+    }
+}
+
+/// One walk, a frame at a time.
+class Walk {
+  public:
+    Walk(const std::filesystem::path& path, std::uint64_t triangles, double altitude, float splat)
+        : triangles_(triangles),
+          altitude_(altitude),
+          splat_(splat),
+          begin_(Clock::now()),
+          pages_(open_pages<H, Triangle>(path, {.most_bytes = std::size_t(64) << 20})),
+          viewer_(pages_, renderer_) {
+        viewer_.frame(walk(0, altitude, 0, splat));
+        first_ms_ = ms_since(begin_);
+        settle(viewer_, pages_, walk(0, altitude, 0, splat));
+        whole_ms_ = ms_since(begin_);
+        before_ = pages_.cache_stats().loads;
+    }
+    void frame(int i) {
+        const View view = walk(i, altitude_, altitude_ / 40, splat_);
+        const auto begin = Clock::now();
+        const FrameStats stats = viewer_.frame(view);
+        ms_.push_back(ms_since(begin));
+        missing_ += stats.cells_missing;
+        primitives_ += stats.primitives;
+        splats_ += stats.approximations;
+        cells_ += stats.cells_visited;
+        const std::uint64_t now = pages_.cache_stats().loads;
+        loads_.push_back(double(now - std::exchange(before_, now)));
+    }
+    double median_ms() const { return quantile(ms_, 0.5); }
+    void print() const {
+        const PageCacheStats stats = pages_.cache_stats();
+        const double frames = double(ms_.size());
+        std::printf(
+            "| walk, %.1f M, altitude %.2f, splat %g | median %.1f ms, worst %.1f; first image %.0f ms, whole %.0f; "
+            "polygons + splats %.0f k + %.0f k, cells %.0f k; pages a frame: median %.0f, most %.0f; cells missing a "
+            "frame %.1f; resident %llu of %u pages, evicted %llu |\n",
+            double(triangles_) / 1e6, altitude_, double(splat_), quantile(ms_, 0.5), quantile(ms_, 1), first_ms_,
+            whole_ms_, double(primitives_) / frames / 1e3, double(splats_) / frames / 1e3,
+            double(cells_) / frames / 1e3, quantile(loads_, 0.5), quantile(loads_, 1), double(missing_) / frames,
+            static_cast<unsigned long long>(stats.resident), pages_.page_count(),
+            static_cast<unsigned long long>(stats.evictions));
+        std::fflush(stdout);
+    }
+
+  private:
+    std::uint64_t triangles_;
+    double altitude_;
+    float splat_;
+    Clock::time_point begin_;
+    Paged pages_;
+    ZBufferRenderer renderer_;
+    Viewer<Paged, Triangle, ZBufferRenderer> viewer_;
+    double first_ms_ = 0, whole_ms_ = 0;
+    std::vector<double> ms_, loads_;
+    std::uint64_t missing_ = 0, primitives_ = 0, splats_ = 0, cells_ = 0, before_ = 0;
+};
+
+/// Walks over all boards, frame by frame in turn, so that whatever else the machine does meets all of them.
+void walks(const std::vector<std::filesystem::path>& files, const std::vector<double>& millions, int frames) {
     for (const double altitude : {0.05, 0.02}) {
         for (const float splat : {4.0f, 8.0f}) {
-            const auto begin = Clock::now();
-            const auto pages = open_pages<H, Triangle>(path, {.most_bytes = std::size_t(64) << 20});
-            ZBufferRenderer renderer;
-            auto viewer = make_viewer(pages, renderer);
-            viewer.frame(walk(0, altitude, 0, splat));
-            const double first = ms_since(begin);
-            double whole = first;
-            while (viewer.frame(walk(0, altitude, 0, splat)).cells_missing != 0) whole = ms_since(begin);
-            std::vector<double> ms, loads;
-            std::uint64_t missing = 0, primitives = 0, splats = 0, cells = 0;
-            std::uint64_t before = pages.cache_stats().loads;
-            for (int i = 0; i < frames; ++i) {
-                const View view = walk(i, altitude, altitude / 40, splat);
-                const auto frame_begin = Clock::now();
-                const FrameStats stats = viewer.frame(view);
-                ms.push_back(ms_since(frame_begin));
-                missing += stats.cells_missing;
-                primitives += stats.primitives;
-                splats += stats.approximations;
-                cells += stats.cells_visited;
-                const std::uint64_t now = pages.cache_stats().loads;
-                loads.push_back(double(now - before));
-                before = now;
+            std::vector<std::unique_ptr<Walk>> all;
+            for (std::size_t i = 0; i < files.size(); ++i) {
+                all.push_back(std::make_unique<Walk>(files[i], std::uint64_t(millions[i] * 1e6), altitude, splat));
             }
-            const PageCacheStats stats = pages.cache_stats();
-            std::printf(
-                "| walk, %.1f M, altitude %.2f, splat %g | median %.1f ms, worst %.1f; first image %.0f ms, whole "
-                "%.0f; "
-                "polygons + splats %.0f k + %.0f k, cells %.0f k; pages a frame: median %.0f, most %.0f; cells missing "
-                "a frame "
-                "%.1f; resident %llu of %u pages, evicted %llu |\n",
-                double(triangles) / 1e6, altitude, double(splat), quantile(ms, 0.5), quantile(ms, 1), first, whole,
-                double(primitives) / frames / 1e3, double(splats) / frames / 1e3, double(cells) / frames / 1e3,
-                quantile(loads, 0.5), quantile(loads, 1), double(missing) / frames,
-                static_cast<unsigned long long>(stats.resident), pages.page_count(),
-                static_cast<unsigned long long>(stats.evictions));
+            for (int i = 0; i < frames; ++i) {
+                for (const auto& w : all) w->frame(i);
+            }
+            for (const auto& w : all) w->print();
+            for (std::size_t i = 1; i < all.size(); ++i) {
+                std::printf("| %g M / %g M, altitude %.2f, splat %g: frame times | %.2f |\n", millions[i], millions[0],
+                            altitude, double(splat), all[i]->median_ms() / all[0]->median_ms());
+            }
             std::fflush(stdout);
         }
     }
 }
 
-/// Error against frames that wait for everything, with less memory than the walk touches.
-void caps(const std::filesystem::path& path, int frames) {
+/// Error against frames that wait for everything, with less memory than the walk touches. `open(most_bytes)` opens what
+/// is read by the limited ones.
+template <class Open>
+void caps(const std::filesystem::path& path, int frames, const char* from, Open&& open) {
     const double altitude = 0.02;
     auto all = open_pages<H, Triangle>(path, {.most_bytes = std::size_t(1) << 30});
     all.wait_for_pages(true);
     ZBufferRenderer renderer, limited_renderer;
     auto viewer = make_viewer(all, renderer);
-    std::vector<Image> truth;
-    for (int i = 0; i < frames; ++i) {
-        viewer.frame(walk(i, altitude, altitude / 40, 4));
-        truth.push_back(renderer.image());
-    }
-    const double working_set = double(all.cache_stats().resident) * all.page_bytes();
+    const auto view = [&](int i) { return walk(i, altitude, altitude / 40, 4); };
+    for (int i = 0; i < frames; ++i) viewer.frame(view(i));
+    const double working_set = double(all.cache_stats().loads) * all.page_bytes();
     for (const double part : {0.05, 0.1, 0.25, 0.5, 1.0}) {
-        const auto bytes = std::size_t(part * working_set) + (std::size_t(4) << 20);
-        const auto pages = open_pages<H, Triangle>(path, {.most_bytes = bytes});
+        const Paged pages = open(std::size_t(part * working_set) + (std::size_t(4) << 20));
         auto limited = make_viewer(pages, limited_renderer);
-        double squares = 0, worst_ms = 0;
-        std::uint64_t missing = 0;
+        settle(limited, pages, view(0));
+        double squares = 0;
+        std::vector<double> ms;
+        std::uint64_t missing = 0, holes = 0;
         for (int i = 0; i < frames; ++i) {
+            viewer.frame(view(i));
             const auto begin = Clock::now();
-            missing += limited.frame(walk(i, altitude, altitude / 40, 4)).cells_missing;
-            worst_ms = std::max(worst_ms, ms_since(begin));
+            missing += limited.frame(view(i)).cells_missing;
+            ms.push_back(ms_since(begin));
             const auto& a = limited_renderer.image().pixels();
-            const auto& b = truth[std::size_t(i)].pixels();
+            const auto& b = renderer.image().pixels();
             for (std::size_t p = 0; p < a.size(); ++p) {
                 squares += (double(a[p].g) - b[p].g) * (double(a[p].g) - b[p].g) / (255.0 * 255.0) / double(a.size());
+                holes += a[p].a == 0 && b[p].a != 0;
             }
         }
         std::printf(
-            "| cache of %.0f %% of %.0f MiB and 4 MiB | RMSE %.4f against waiting, cells missing a frame %.0f, worst "
-            "frame %.1f "
-            "ms, loaded again within 60 frames %llu |\n",
-            100 * part, working_set / 1048576, std::sqrt(squares / frames), double(missing) / frames, worst_ms,
+            "| %s, cache of %.0f %% of %.0f MiB and 4 MiB, %d frames | RMSE %.4f against waiting, pixels without "
+            "anything %llu, cells missing a frame %.0f, frame median %.1f ms, worst %.1f, loaded again within 60 "
+            "frames "
+            "%llu |\n",
+            from, 100 * part, working_set / 1048576, frames, std::sqrt(squares / frames),
+            static_cast<unsigned long long>(holes), double(missing) / frames, quantile(ms, 0.5), quantile(ms, 1),
             static_cast<unsigned long long>(pages.cache_stats().reloads));
         std::fflush(stdout);
     }
@@ -186,6 +242,7 @@ int main(int argc, char** argv) {
     std::filesystem::path directory = std::filesystem::temp_directory_path() / "bench_pages";
     std::vector<double> millions{8, 80};
     int frames = 200;
+    std::string url;
     for (int i = 1; i < argc; ++i) {
         const std::string argument = argv[i];
         if (argument == "--quick") {
@@ -193,6 +250,8 @@ int main(int argc, char** argv) {
             frames = 50;
         } else if (argument == "--directory" && i + 1 < argc) {
             directory = argv[++i];
+        } else if (argument == "--url" && i + 1 < argc) {
+            url = argv[++i];
         } else if (argument == "--millions" && i + 1 < argc) {
             millions.clear();
             for (const char* p = argv[++i]; *p != '\0';) {
@@ -202,16 +261,32 @@ int main(int argc, char** argv) {
                 p = *end == ',' ? end + 1 : end;
             }
         } else {
-            std::fprintf(stderr,
-                         "bench_pages: %s is no option; there are --quick, --directory DIR and --millions N,N\n",
-                         argument.c_str());
+            std::fprintf(
+                stderr,
+                "bench_pages: %s is no option; there are --quick, --directory DIR, --millions N,N and --url URL\n",
+                argument.c_str());
             return 2;
         }
     }
     std::filesystem::create_directories(directory);
     std::vector<std::filesystem::path> files;
     for (const double m : millions) files.push_back(build_if_missing(directory, std::uint64_t(m * 1e6)));
-    for (std::size_t i = 0; i < files.size(); ++i) walks(files[i], std::uint64_t(millions[i] * 1e6), frames);
-    caps(files.back(), std::min(frames, 100));
+    if (url.empty()) walks(files, millions, frames);
+    const int capped_frames = frames < 200 ? frames : 600;
+    if (url.empty()) {
+        caps(files.back(), capped_frames, "file", [&](std::size_t most_bytes) {
+            return farfield::open_pages<H, farfield::Triangle>(files.back(), {.most_bytes = most_bytes});
+        });
+    } else {
+#if FARFIELD_HAS_HTTP
+        caps(files.back(), capped_frames, "HTTP", [&](std::size_t most_bytes) {
+            return farfield::open_pages_of<H, farfield::Triangle>(std::make_shared<farfield::HttpPageSource>(url), url,
+                                                                  {.most_bytes = most_bytes});
+        });
+#else
+        std::fprintf(stderr, "bench_pages: built without libcurl\n");
+        return 2;
+#endif
+    }
     return 0;
 }

@@ -1,6 +1,6 @@
 // Builds a file of pages, which may be larger than memory: walkthrough --scene FILE.farfield flies through it.
 //
-//     farfield_build SCENE OUT.farfield [--variant NAME] [--memory MiB] [--threads N] [--share I/N | --join N]
+//     farfield_build SCENE OUT.farfield [--variant NAME] [--memory MiB] [--threads N] [--share I/N | --join N] [--pack]
 //
 // Under MPI (mpirun -np N farfield_build ...) every process builds a share, and the first joins them. Whatever was
 // stopped, or lost with its process, goes on when the same command is given again.
@@ -22,8 +22,13 @@
 #include <mpi.h>
 #endif
 
+#if FARFIELD_HAS_ZSTD
+#include "farfield/adapters/zstd_pages.hpp"
+#endif
 #include "farfield/build_pages.hpp"
 #include "farfield/executor.hpp"
+#include "farfield/paging/pack_pages.hpp"
+#include "large_blocks.hpp"
 #include "report/progress.hpp"
 #include "scene_stream.hpp"
 #include "scenes/paged_variants.hpp"
@@ -38,6 +43,7 @@ struct Request {
     unsigned threads = 0;
     std::string share;
     std::uint32_t join = 0;
+    bool packs = false;
 };
 
 /// One process of several, all of which do the same until the last of them is done.
@@ -98,6 +104,14 @@ auto progress_told() {
     };
 }
 
+/// A build that is stopped while it packs has its file, which is not packed.
+void pack(const Request& request) {
+    if (!request.packs) return;
+#if FARFIELD_HAS_ZSTD
+    farfield::pack_pages(farfield::ZstdPages(), request.out, request.out, farfield::ThreadExecutor(request.threads));
+#endif
+}
+
 template <class H>
 void build(const Request& request, const Processes& processes) {
     using P = farfield::scenes::PagedPrimitive;
@@ -105,7 +119,12 @@ void build(const Request& request, const Processes& processes) {
     options.memory_bytes = request.memory_mib << 20;
     options.build.executor = farfield::ThreadExecutor(request.threads);
     if (processes.index == 0) options.build.progress = progress_told();
-    if (request.join != 0) return farfield::join_page_shares<H, P>(request.out, request.join, options);
+    if (request.join != 0) {
+        farfield::join_page_shares<H, P>(request.out, request.join, options);
+        return pack(request);
+    }
+    // What a model's file holds is not to need the memory that the build may take.
+    farfield::scenes::keep_large_blocks_in(std::filesystem::absolute(request.out).parent_path());
     const farfield::scenes::TriangleStream stream = farfield::scenes::scene_stream(request.scene);
     if (!request.share.empty()) {
         return farfield::build_page_share<H, P>(stream, request.out, parse_share(request.share), options);
@@ -113,7 +132,9 @@ void build(const Request& request, const Processes& processes) {
     const auto count = std::uint32_t(processes.count);
     farfield::build_page_share<H, P>(stream, request.out, {std::uint32_t(processes.index), count}, options);
     processes.wait_for_all();
-    if (processes.index == 0) farfield::join_page_shares<H, P>(request.out, count, options);
+    if (processes.index != 0) return;
+    farfield::join_page_shares<H, P>(request.out, count, options);
+    pack(request);
 }
 
 void run(const Request& request, const Processes& processes) {
@@ -152,6 +173,9 @@ int main(int argc, char** argv) {
         auto* const share =
             app.add_option("--share", request.share, "I/N: builds one of N shares, I from 0, and stops");
         app.add_option("--join", request.join, "N: joins shares that were built before")->excludes(share);
+#if FARFIELD_HAS_ZSTD
+        app.add_flag("--pack", request.packs, "packs pages by zstd when all is built");
+#endif
         try {
             app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {

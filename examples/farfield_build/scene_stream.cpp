@@ -102,7 +102,9 @@ TriangleStream scene_stream(const std::string& name) {
     if (colon != std::string::npos && kind == "chessboard")
         return chessboard_stream(parse_count(name.substr(colon + 1)));
     if (colon != std::string::npos && kind == "landscape") return landscape_stream(parse_count(name.substr(colon + 1)));
-    const auto scene = std::make_shared<Scene>(expanded(load(name)));
+    auto loaded = load(name);
+    // Most are one group already, which may be too large to be had twice.
+    const auto scene = std::make_shared<Scene>(loaded.groups.size() > 1 ? expanded(loaded) : std::move(loaded));
     return [scene](const std::function<void(const PagedPrimitive&)>& take) {
         for (const VertexColoredTriangle& t : scene->groups.back().triangles) take(t);
     };

@@ -12,8 +12,9 @@ namespace farfield::scenes {
 using TriangleStream = std::function<void(const std::function<void(const PagedPrimitive&)>&)>;
 
 /// `chessboard:N` (Klein et al. 2002, section 7.2), `landscape:N` (trees on hills, each with triangles of its own),
-/// both of about N triangles, which may end in k, M or G; or a file, which is held in memory. Throws
-/// std::invalid_argument for a number that is none, and what loading a file throws.
+/// both of about N triangles, which may end in k, M or G; or a file of any format that load() reads, whose triangles
+/// lie where large blocks do (large_blocks.hpp). Throws std::invalid_argument for a number that is none, and what
+/// loading a file throws.
 TriangleStream scene_stream(const std::string& name);
 
 }  // namespace farfield::scenes

@@ -20,6 +20,10 @@
 #if FARFIELD_HAS_HTTP
 #include "farfield/adapters/http_page_source.hpp"
 #endif
+#if FARFIELD_HAS_ZSTD
+#include "farfield/adapters/zstd_pages.hpp"
+#include "farfield/paging/unpacked_pages.hpp"
+#endif
 #include "farfield/measure/image_error.hpp"
 #include "farfield/paging/file_page_source.hpp"
 #include "farfield/paging/paged_hierarchy.hpp"
@@ -81,6 +85,18 @@ class PagedRun {
 
     template <class Source>
     PagedResult walk(const std::shared_ptr<Source>& source, const std::string& where) {
+#if FARFIELD_HAS_ZSTD
+        if (farfield::holds_pages_packed_by<farfield::ZstdPages>(*source)) {
+            using Unpacked = farfield::UnpackedPages<Source, farfield::ZstdPages>;
+            return walk_unpacked(std::make_shared<Unpacked>(source, where), where);
+        }
+#endif
+        return walk_unpacked(source, where);
+    }
+
+  private:
+    template <class Source>
+    PagedResult walk_unpacked(const std::shared_ptr<Source>& source, const std::string& where) {
         PagedResult result;
         const bool is_known = farfield::scenes::any_paged_variant([&](auto type, std::string_view name) {
             using H = typename decltype(type)::type;
@@ -93,8 +109,6 @@ class PagedRun {
         if (!is_known) throw UsageError(where + " is no file of pages that farfield_build makes");
         return result;
     }
-
-  private:
     template <class H, class Source>
     void walk_as(const std::shared_ptr<Source>& source, PagedResult& result) {
         const auto begin = Clock::now();
@@ -151,7 +165,9 @@ class PagedRun {
                 .height = options_.height,
                 .tolerance_px = options_.error ? 1.0f : options_.tolerance_px};
     }
-    static Image over_background(const Image& image) { return report::over_background(image, report::Background{}); }
+    static Image over_background(const Image& image) {
+        return report::over_background(image, report::Background{});
+    }
     std::filesystem::path picture(const std::string& variant, int frame) const {
         std::string number = std::to_string(frame);
         if (number.size() < 3) number.insert(0, 3 - number.size(), '0');

@@ -63,8 +63,11 @@ using HeldHierarchy = std::conditional_t<PagedAtRunTime<H>, H, const H&>;
 template <class H>
 class FrameOf {
   public:
-    explicit FrameOf(const H& hierarchy) : hierarchy_(hierarchy) {
-        if constexpr (PagedAtRunTime<H>) hierarchy_.begin_frame();
+    FrameOf(const H& hierarchy, [[maybe_unused]] const View& view) : hierarchy_(hierarchy) {
+        if constexpr (PagedAtRunTime<H>) {
+            hierarchy_.begin_frame();
+            hierarchy_.look_ahead(view);
+        }
     }
     ~FrameOf() {
         if constexpr (PagedAtRunTime<H>) hierarchy_.end_frame();
@@ -132,7 +135,7 @@ class Viewer {
     /// the renderer says that it is gone. Whatever was thrown, the next frame is as if there had been no other.
     FrameStats frame(const View& view) {
         const LocalView local = outermost(view);
-        const detail::FrameOf<H> frame(hierarchy_);
+        const detail::FrameOf<H> frame(hierarchy_, view);
         begin(local, view);
         if constexpr (caches_images<H>) {
             draw_with_images(local, view);

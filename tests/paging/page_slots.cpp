@@ -101,12 +101,12 @@ TEST_CASE("The largest weight that a frame finds a page with counts") {
     CHECK(t.load(2, 17));
 }
 
-TEST_CASE("What is not needed yet replaces only what was not needed for sixty frames") {
+TEST_CASE("What is not needed yet replaces only what was not needed for sixteen frames") {
     Table t(10, 2);
     t.load(1, 1);
     t.load(2, 1);
     t.frame({1, 2});
-    for (int i = 0; i < 60; ++i) {
+    for (int i = 0; i < 16; ++i) {
         CHECK_FALSE(t.load(3, 0.5f));
         t.frame({1});
     }

@@ -40,7 +40,7 @@ may_include(build.hpp build sampler ${hierarchy}) # the sampler that a build tak
 may_include(update.hpp build build.hpp sampler ${hierarchy})
 may_include(storage ${hierarchy})
 may_include(paging storage frame ${hierarchy}) # a page is checked as a file is
-may_include(build_pages build storage paging frame ${hierarchy})
+may_include(build_pages build build.hpp sampler storage paging frame ${hierarchy})
 may_include(build_pages.hpp build_pages build build.hpp sampler storage paging frame ${hierarchy})
 may_include(adapters paging ${contracts}) # what needs another library: nothing includes it
 may_include(frame ${hierarchy})
@@ -99,7 +99,9 @@ tested_by(pick geometry/ray view/pixel_ray)
 tested_by(paging/paged_approximations)
 tested_by(paging/paged_hierarchy paging/page_check paging/page_forest paging/page_format paging/write_pages)
 tested_by(paging/packed_pages paging/packed_format paging/pack_pages paging/unpacked_pages)
-tested_by(build_pages build_pages/build_journal build_pages/page_share build_pages/scattered_file build_pages/top_tree)
+tested_by(build_pages build_pages/build_journal build_pages/group_builder build_pages/page_build build_pages/page_share
+          build_pages/scattered_file build_pages/scene_survey build_pages/share_builder build_pages/share_joiner
+          build_pages/stream_batches build_pages/top_pages build_pages/top_tree)
 tested_by(raster/box_footprint raster/box_fronts)
 tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
           raster/far_field/transmittance_lanes_sse2)

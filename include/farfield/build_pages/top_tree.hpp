@@ -47,18 +47,22 @@ class CellCounts {
         : partition_(partition), root_(root), own_(levels + std::size_t(1)) {
         for (unsigned depth = 0; depth <= levels; ++depth) own_[depth].resize(std::size_t(1) << (3 * depth));
     }
-    void add(const Item& item) {
+    /// The cell that counts an item.
+    struct Place {
+        std::uint32_t depth = 0, at = 0;
+    };
+    Place place_of(const Item& item) const {
         Cell cell = root_;
-        std::size_t at = 0;
-        unsigned depth = 0;
-        for (; depth + 1 < own_.size() && is_split(cell); ++depth) {
+        Place place;
+        for (; place.depth + 1 < own_.size() && is_split(cell); ++place.depth) {
             const unsigned child = child_of_item(partition_, cell, item);
             if (child == stays_in_cell) break;
             cell = partition_.child(cell, {}, child);
-            at = at * 8 + child;
+            place.at = place.at * 8 + child;
         }
-        ++own_[depth][at];
+        return place;
     }
+    void add(Place place) { ++own_[place.depth][place.at]; }
     /// Makes counts of subtrees of what add() has counted of cells.
     void sum_up() {
         total_ = own_;

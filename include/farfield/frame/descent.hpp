@@ -33,6 +33,7 @@
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/stand_in_choice.hpp"
 #include "farfield/frame/subtree.hpp"
+#include "farfield/frame/view_ahead.hpp"
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/mixed.hpp"
 #include "farfield/spatial_hierarchy.hpp"
@@ -148,6 +149,7 @@ class Descent {
         ++stats_.cells_visited;
         if (is_outside(v.view.planes, subtree) || is_beyond_borders(v, subtree)) {
             ++stats_.cells_outside;
+            if constexpr (PagedAtRunTime<typename V::hierarchy_type>) expect_outside(v, subtree);
             return;
         }
         const auto& h = v.hierarchy;
@@ -237,14 +239,19 @@ class Descent {
     static float urgency(const V& v, const Subtree& subtree) {
         return stand_in_error_px(v, subtree) / v.view.tolerance_px;
     }
-    /// Contents of cells that would be opened from a little nearer are asked for before they are drawn (Klein et al.
-    /// 2002, section 6.2: the cut and some levels more, but levels double what is in use).
+    /// Contents of cells that the next frames will open are asked for before they are drawn (frame/view_ahead.hpp).
     template <class V>
     static void expect_contents(const V& v, const Subtree& subtree) {
-        constexpr float nearer = 0.8f;
-        const Node& node = v.hierarchy.nodes()[subtree.node];
-        if (!v.hierarchy.is_portal(node)) return;
-        if (const float u = urgency(v, subtree); u > nearer) v.hierarchy.expect(node, u);
+        if (v.hierarchy.is_portal(v.hierarchy.nodes()[subtree.node])) {
+            expect_contents_ahead(v, subtree, urgency(v, subtree));
+        }
+    }
+    /// What comes into the picture.
+    template <class V>
+    static void expect_outside(const V& v, const Subtree& subtree) {
+        if (v.hierarchy.view_ahead() != nullptr) {
+            expect_contents_ahead(v, subtree, std::numeric_limits<float>::infinity());
+        }
     }
 
     template <class V>

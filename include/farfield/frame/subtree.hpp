@@ -38,7 +38,8 @@ struct Subtree {
 
 /// A hierarchy whose nodes' contents may be missing (paging/paged_hierarchy.hpp): begin_frame() and end_frame() around
 /// each descent, is_portal(node) where contents lie elsewhere, follow(subtree, weight) to get there or not, and
-/// expect(node, weight) of what later descents may follow. Whatever can be followed has a stand-in.
+/// expect(subtree, weight), the same for what later descents may follow: those of view_ahead(), if that is known.
+/// Whatever can be followed has a stand-in.
 template <class H>
 concept PagedAtRunTime = requires(const H& h, Subtree& subtree, const Node& node) {
     h.begin_frame();
@@ -47,7 +48,8 @@ concept PagedAtRunTime = requires(const H& h, Subtree& subtree, const Node& node
     { h.is_portal(node) } -> std::same_as<bool>;
     { h.items_below(node) } -> std::same_as<std::uint32_t>;
     { h.follow(subtree, 1.0f) } -> std::same_as<bool>;
-    h.expect(node, 1.0f);
+    { h.expect(subtree, 1.0f) } -> std::same_as<bool>;
+    { h.view_ahead() } -> std::same_as<const LocalView*>;
 };
 
 /// The time during which pages are looked at and waited for, whatever frames do otherwise.

@@ -33,6 +33,8 @@ class Fingerprint {
     }
     void add(std::uint64_t part) { sum_ += part; }
     void remove(std::uint64_t part) { sum_ -= part; }
+    /// Of parts that were added: what another one adds for all of them.
+    std::uint64_t sum() const { return sum_; }
     std::uint64_t of(std::size_t count) const { return mixed(sum_, count); }
 
   private:

@@ -30,7 +30,7 @@ namespace farfield {
 
 struct PageCacheOptions {
     /// A limit that is never exceeded: pages, what is being read, and the cache's own tables together. Every viewer
-    /// takes 8 bytes a page beside, and what it asks for.
+    /// takes 16 bytes a page beside, and what it asks for.
     std::size_t most_bytes = std::size_t(256) << 20;
     /// Off: nothing is loaded but by load_wanted() and by viewers that wait, on their threads.
     bool loads_in_background = true;
@@ -132,7 +132,8 @@ class PageCache {
     /// One that looks at pages: a viewer, or whoever picks. Not to be used by two threads at once.
     class User {
       public:
-        explicit User(std::shared_ptr<PageCache> cache) : cache_(std::move(cache)), asked_(cache_->places_.page_count) {
+        explicit User(std::shared_ptr<PageCache> cache)
+            : cache_(std::move(cache)), asked_(cache_->places_.page_count), entered_(cache_->places_.page_count) {
             const std::lock_guard lock(cache_->mutex_);
             cache_->users_.push_back(this);
             cache_->visits_.push_back(&visits);
@@ -166,6 +167,12 @@ class PageCache {
                                   return a.weight != b.weight ? a.weight > b.weight : a.page < b.page;
                               });
             asking_.resize(kept);
+            // Some each frame: they are not needed at once, and reading them all would keep what is.
+            const auto first_expected =
+                std::find_if(asking_.begin(), asking_.end(), [](const WantedPage& w) { return w.weight < needed; });
+            if (std::size_t(asking_.end() - first_expected) > most_expected) {
+                asking_.erase(first_expected + most_expected, asking_.end());
+            }
             {
                 const std::lock_guard lock(cache_->mutex_);
                 wanted.swap(asking_);
@@ -183,10 +190,22 @@ class PageCache {
             if (slot == PageSlots::none) ask(page, weight);
             return slot;
         }
-        /// Asks for a page that later frames may want, if it is not there; otherwise it counts as used, a little.
-        void expect(std::uint32_t page, float weight) {
-            weight = std::min(ordered(weight), 1.0f) * 0.25f;
-            if (cache_->slots_.find(page, frame_, weight) == PageSlots::none) ask(page, weight);
+        /// The same for what later frames may want: the slot counts as used only a little, and what is missing is
+        /// asked for when nothing else is.
+        std::uint32_t expect(std::uint32_t page, float weight) {
+            weight = ordered(weight);
+            weight = 0.125f * (weight < 1 ? weight : 2 - 1 / weight);  // below 0.25, and in order
+            const std::uint32_t slot = cache_->slots_.find(page, frame_, weight);
+            if (slot == PageSlots::none) ask(page, weight);
+            return slot;
+        }
+        /// Whether a frame may enter one more of a page's `units`. In a file that was built each is entered once, or
+        /// twice if it is expected too. A forged one could lead to the same unit by many ways, and those below it by
+        /// many times as many, which is not to be seen by looking at any one of its pages.
+        bool may_enter(std::uint32_t page, std::uint32_t units) {
+            Entered& entered = entered_[page];
+            if (entered.frame != frame_) entered = {frame_, 0};
+            return entered.count++ < 2 * units;
         }
         /// Loads it now, if there is room.
         std::uint32_t find_or_wait(std::uint32_t page, float weight) {
@@ -203,8 +222,13 @@ class PageCache {
 
       private:
         static constexpr std::size_t most_wanted = 512;
+        static constexpr std::size_t most_expected = 8;
+        static constexpr float needed = 0.5f;  ///< what weighs less is expected
         struct Asked {
             std::uint32_t frame = 0, index = 0;
+        };
+        struct Entered {
+            std::uint32_t frame = 0, count = 0;
         };
         friend class PageCache;
 
@@ -222,7 +246,8 @@ class PageCache {
         }
 
         std::shared_ptr<PageCache> cache_;
-        std::vector<Asked> asked_;  ///< by page: the frame that it was asked for in, and where it is in `asking_`
+        std::vector<Asked> asked_;      ///< by page: the frame that it was asked for in, and where it is in `asking_`
+        std::vector<Entered> entered_;  ///< by page: how often in a frame
         std::vector<WantedPage> asking_;
         std::uint32_t frame_ = 0;
     };
@@ -419,7 +444,16 @@ class PageCache {
         std::vector<std::byte> no_buffer;
         Lock lock(mutex_);
         while (states_[wanted.page] == State::loading) changed_.wait(lock);
-        if (may_load(wanted.page) && !is_changed_) load({wanted}, no_buffer, &user.visits, lock);
+        while (may_load(wanted.page) && !is_changed_ && load({wanted}, no_buffer, &user.visits, lock) == 0 &&
+               slots_.will_have_room(visits_, user.visits)) {
+            // All that could go is in use by frames of others, which end; but not if they wait for this one, or if this
+            // thread runs them too.
+            user.visits.is_blocked = true;
+            const bool has_room = changed_.wait_for(lock, options_.longest_retry,
+                                                    [&] { return !slots_.will_have_room(visits_, user.visits); });
+            user.visits.is_blocked = false;
+            if (!has_room) return;
+        }
     }
 
     void load_in_background() {

@@ -22,6 +22,7 @@ namespace farfield::detail {
 struct PageVisits {
     std::atomic<std::uint64_t> epoch{0};       ///< that its frame began in; 0: it has none
     std::atomic<std::uint32_t> last_frame{0};  ///< the number of its last one; 0: there was none
+    bool is_blocked = false;  ///< its frame waits for others; under the lock of those who change tables
 };
 
 /// The functions that frames call may run at any time; whatever changes the table is called by one thread at a time.
@@ -101,6 +102,22 @@ class PageSlots {
         retired_.push_back({victim, epoch_.fetch_add(1, std::memory_order_seq_cst)});
         return take_retired(all, own);
     }
+    /// Whether memory becomes free as soon as frames of others end, which do not wait themselves. `own` runs one.
+    bool will_have_room(const std::vector<PageVisits*>& all, const PageVisits& own) const {
+        bool is_held = false;
+        for (const Retired& r : retired_) {
+            bool is_held_by_others = false;
+            for (const PageVisits* v : all) {
+                const std::uint64_t epoch = v->epoch.load(std::memory_order_seq_cst);
+                if (epoch == 0 || epoch > r.epoch || v == &own) continue;
+                if (v->is_blocked) return false;
+                is_held_by_others = true;
+            }
+            if (!is_held_by_others) return false;
+            is_held = true;
+        }
+        return is_held;
+    }
     /// Gives back what take() gave.
     void give_back(std::uint32_t slot) { free_.push_back(slot); }
 
@@ -124,6 +141,9 @@ class PageSlots {
     /// A page that comes back sooner than this after it went stays as long: whoever looks to and fro between two places
     /// that do not fit together gets one of them coarser, and the disk is left alone.
     static constexpr std::uint32_t frames_between_loads = 60;
+
+    /// What is not needed yet replaces what was not looked at for so many frames: the cut has left that behind.
+    static constexpr std::uint32_t frames_until_stale = 16;
 
   private:
     static constexpr std::size_t most_retired = 16;
@@ -169,9 +189,9 @@ class PageSlots {
             const std::uint32_t last = v->last_frame.load(std::memory_order_relaxed);
             if (last != 0 && now - last < frames_between_loads) in_use = std::min(in_use, last);
         }
-        const std::uint64_t most =
-            weight < 1 ? std::uint64_t(now > frames_between_loads ? now - frames_between_loads : 0) << 32
-                       : std::uint64_t(in_use) << 32 | std::bit_cast<std::uint32_t>(weight * 0.5f);
+        const std::uint64_t most = weight < 1
+                                       ? std::uint64_t(now > frames_until_stale ? now - frames_until_stale : 0) << 32
+                                       : std::uint64_t(in_use) << 32 | std::bit_cast<std::uint32_t>(weight * 0.5f);
         std::uint32_t victim = none;
         std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
         for (std::uint32_t i = 0; i < slot_count_; ++i) {

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -25,6 +26,7 @@
 
 #include "farfield/fail.hpp"
 #include "farfield/frame/subtree.hpp"
+#include "farfield/frame/view_ahead.hpp"
 #include "farfield/paging/file_page_source.hpp"
 #include "farfield/paging/packed_format.hpp"
 #include "farfield/paging/page_cache.hpp"
@@ -130,13 +132,12 @@ class PagedHierarchy {
     /// it should be: it has been asked for, the more urgently the larger `weight` is.
     bool follow(Subtree& subtree, float weight) const {
         const detail::Portal to = detail::portal_of(nodes()[subtree.node]);
-        const std::uint32_t slot = waits_ ? user_.find_or_wait(to.page, weight) : user_.find(to.page, weight);
-        if (slot == detail::PageSlots::none) return false;
-        const detail::PageHeader& header = header_at(std::size_t(slot) * page_bytes());
-        // A descent is a recursion, and no file decides how deep it goes.
-        if (to.unit >= header.unit_count || subtree.cell.depth >= most_levels_in_files) return false;
-        enter_unit(subtree, slot, to.unit);
-        return true;
+        return enter(subtree, to, waits_ ? user_.find_or_wait(to.page, weight) : user_.find(to.page, weight));
+    }
+    /// The same, of what frames to come may draw: it is asked for less urgently than anything that a frame needs.
+    bool expect(Subtree& subtree, float weight) const {
+        const detail::Portal to = detail::portal_of(nodes()[subtree.node]);
+        return enter(subtree, to, user_.expect(to.page, weight));
     }
     /// The page that a position lies in, and which of its primitives is there.
     std::array<std::uint32_t, 2> place_in_file(std::uint32_t position) const {
@@ -145,8 +146,15 @@ class PagedHierarchy {
         const std::size_t items = begin + Records::layout(header.node_count, header.stand_in_count, 0).items;
         return {header.number, std::uint32_t((byte - items) / sizeof(P))};
     }
-    /// Asks for the contents of a node that frames to come may draw.
-    void expect(const Node& portal, float weight) const { user_.expect(detail::portal_of(portal).page, weight); }
+    /// Tells what a frame shows, which begins: the motion since the last one says what those to come will show.
+    void look_ahead(const View& view) const {
+        constexpr float frames = 6;
+        const std::optional<View> ahead = motion_.ahead(view, frames);
+        view_ahead_.reset();
+        if (ahead) view_ahead_.emplace(*ahead, origin(), bounds());
+    }
+    /// The view that is expected a few frames from now; null while it stands still.
+    const LocalView* view_ahead() const { return view_ahead_ ? &*view_ahead_ : nullptr; }
     void begin_frame() const { user_.begin_frame(); }
     void end_frame() const { user_.end_frame(); }
     /// Nothing that it has looked at is kept for it any more.
@@ -184,8 +192,22 @@ class PagedHierarchy {
         s.end_item = nodes()[s.node + 1].first_item;
     }
 
+    bool enter(Subtree& subtree, const detail::Portal& to, std::uint32_t slot) const {
+        if (slot == detail::PageSlots::none) return false;
+        const detail::PageHeader& header = header_at(std::size_t(slot) * page_bytes());
+        // A descent is a recursion, and no file decides how deep it goes, nor how long it takes.
+        if (to.unit >= header.unit_count || subtree.cell.depth >= most_levels_in_files ||
+            !user_.may_enter(to.page, header.unit_count)) {
+            return false;
+        }
+        enter_unit(subtree, slot, to.unit);
+        return true;
+    }
+
     std::shared_ptr<const File> file_;
     mutable detail::PageCache::User user_;
+    mutable detail::Motion motion_;
+    mutable std::optional<LocalView> view_ahead_;
     bool waits_ = false;
 };
 

@@ -1,0 +1,252 @@
+// One share of a build outside of memory: its primitives go into a file, group by group, and groups into pages.
+// Whatever is on the disk is written down, and a build that was stopped goes on behind it.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "farfield/build/build_progress.hpp"
+#include "farfield/build_pages/build_journal.hpp"
+#include "farfield/build_pages/group_builder.hpp"
+#include "farfield/build_pages/page_build.hpp"
+#include "farfield/build_pages/page_share.hpp"
+#include "farfield/build_pages/scattered_file.hpp"
+#include "farfield/build_pages/scene_survey.hpp"
+#include "farfield/build_pages/stream_batches.hpp"
+#include "farfield/build_pages/top_pages.hpp"
+#include "farfield/build_pages/top_tree.hpp"
+#include "farfield/composition.hpp"
+#include "farfield/fail.hpp"
+#include "farfield/paging/page_forest.hpp"
+#include "farfield/paging/page_format.hpp"
+#include "farfield/storage/mapped_file.hpp"
+
+namespace farfield {
+namespace detail {
+
+template <class Build>
+class ShareBuilder {
+    using H = typename Build::hierarchy_type;
+    using P = typename Build::primitive_type;
+    using Records = typename Build::Records;
+    using BuiltGroup = typename GroupBuilder<Build>::BuiltGroup;
+    using Partition_ = typename H::partition_type;
+    using A = typename H::approximation_type;
+    using Tree = TopTree<Partition_>;
+    using Part = BuiltPart<A>;
+
+  public:
+    explicit ShareBuilder(Build& build) : build_(build) {}
+
+    /// Makes a share of all pages, and leaves files for join().
+    template <class Stream>
+    void operator()(Stream& stream, PageShare share) {
+        if (share.count == 0 || share.index >= share.count) {
+            fail<std::invalid_argument>("farfield::build_pages: share " + std::to_string(share.index) + " of " +
+                                        std::to_string(share.count));
+        }
+        SceneSurvey<Build> survey(build_);
+        survey.read_bounds(stream);
+        const Tree tree(survey.count_cells(stream), build_.plan.most_items);
+        std::uint64_t needed = 1;
+        do {
+            // One more try for each cell that is larger than all before it; what goes into a group does not change.
+            if (needed > Records::most_bytes) {
+                fail<std::invalid_argument>("farfield::build_pages: one cell by itself takes " +
+                                            std::to_string(needed) + " bytes, more than the " +
+                                            std::to_string(Records::most_bytes) + " that a page may have");
+            }
+            build_.plan.page_bytes = std::uint32_t(Records::page_bytes(build_.options.page_bytes, needed));
+            needed = build_groups(stream, tree, share);
+        } while (needed != 0);
+    }
+
+  private:
+    static constexpr std::size_t groups_at_once = 4;
+
+    /// Returns 0, or the bytes that one cell needs where pages are too small for it.
+    template <class Stream>
+    std::uint64_t build_groups(Stream& stream, const Tree& tree, PageShare share) {
+        const ShareFiles files(build_.path, share);
+        const std::size_t begin = tree.group_count() * share.index / share.count,
+                          end = tree.group_count() * (share.index + std::size_t(1)) / share.count;
+        BuildJournal journal(
+            files.journal(),
+            mixed(mixed(mixed(build_.plan.identity, build_.plan.page_bytes), share.index), share.count));
+        ShareRecord<A, P> known;
+        std::error_code ignored;
+        if (!known.read(journal.records()) || !std::filesystem::exists(files.scattered(), ignored) ||
+            !has_pages(known, files)) {
+            files.remove_all();
+            known = {};
+            known.own_items = scatter(stream, tree, files, begin, end);
+            build_.plan.top_pages = 0;
+            if (tree.has_top()) {
+                const PageForest<H, P> top = TopPages<Build>(build_).forest(tree, known.own_items);
+                if (!top.fits()) return top.needed_bytes();
+                build_.plan.top_pages = top.page_count();
+            }
+            // Primitives have no checksums: whatever a journal tells of them has to be there.
+            FileInPlace(files.scattered(), /*is_new=*/false).sync();
+            FileInPlace(files.pages(), /*is_new=*/true);
+            journal.append(ShareRecord<A, P>::plan_record(build_.plan, tree.nodes(), known.own_items));
+        } else {
+            build_.plan = known.plan;
+        }
+        FileInPlace pages(files.pages(), /*is_new=*/false);
+        std::vector<std::uint64_t> first_item{0};
+        for (std::size_t g = begin; g < end; ++g) first_item.push_back(first_item.back() + tree.items_of_group(g));
+        std::uint32_t page_count = known.pages;
+        // While groups are built, those before them are written.
+        std::array<BuiltGroup, groups_at_once> built, written;
+        std::size_t waiting = 0, next = begin + known.groups;
+        const GroupBuilder<Build> build_group(build_);
+        while (next < end || waiting != 0) {
+            const std::size_t count = std::min(groups_at_once, end - next);
+            build_.control.run_quietly(count + 1, [&](std::size_t i) {
+                if (i != 0) {
+                    const std::size_t g = next + i - 1;
+                    built[i - 1] = build_group(tree, g, files.scattered(), first_item[g - begin]);
+                    return;
+                }
+                for (std::size_t w = 0; w < waiting; ++w) {
+                    write_group(written[w], pages, page_count, journal);
+                    written[w] = {};
+                }
+            });
+            for (std::size_t i = 0; i < count; ++i) {
+                if (built[i].needed_bytes != 0) return built[i].needed_bytes;
+            }
+            std::swap(built, written);
+            waiting = count;
+            next += count;
+            build_.control.report(BuildPhase::building, std::size_t(first_item[next - begin]),
+                                  std::size_t(first_item.back()));
+        }
+        return 0;
+    }
+
+    /// Whether all pages are there that a share tells of, and whole.
+    bool has_pages(const ShareRecord<A, P>& share, const ShareFiles& files) {
+        std::error_code error;
+        build_.plan.page_bytes = share.plan.page_bytes;
+        if (build_.plan.page_bytes < sizeof(PageHeader) || !std::filesystem::exists(files.pages(), error)) return false;
+        if (share.pages == 0) return true;
+        if (std::filesystem::file_size(files.pages(), error) <
+            build_.offset_of(std::uint64_t(share.plan.top_pages) + share.pages)) {
+            return false;
+        }
+        FileInPlace in(files.pages(), /*is_new=*/false);
+        std::vector<std::byte> page(build_.plan.page_bytes);
+        for (std::uint32_t p = 0; p < share.pages; ++p) {
+            in.read_at(build_.offset_of(share.plan.top_pages + std::uint64_t(p)), page);
+            PageHeader header;
+            std::memcpy(&header, page.data(), sizeof header);
+            if (header.number != share.plan.top_pages + p || header.used_bytes > page.size() ||
+                header.used_bytes < sizeof header || header.checksum != checksum_of_page(page, header.used_bytes)) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    /// Writes the pages of a group behind those that are there, and what they are into the journal.
+    void write_group(BuiltGroup& group, FileInPlace& pages, std::uint32_t& page_count, BuildJournal& journal) const {
+        const std::uint32_t page_bytes = build_.plan.page_bytes, top_pages = build_.plan.top_pages;
+        const std::span<std::byte> bytes(group.pages);
+        const auto more = std::uint32_t(bytes.size() / page_bytes);
+        for (std::uint32_t p = 0; p < more; ++p) {
+            renumber_page(bytes.subspan(std::size_t(p) * page_bytes, page_bytes), top_pages + page_count + p);
+        }
+        pages.write_at(build_.offset_of(std::uint64_t(top_pages) + page_count), bytes);
+        for (Part& part : group.parts) part.root.page += page_count;
+        page_count += more;
+        journal.append(ShareRecord<A, P>::group_record(more, group.parts));
+    }
+
+    /// Puts the primitives of groups [begin, end) into a file, and returns those that stay above all parts.
+    template <class Stream>
+    std::vector<P> scatter(Stream& stream, const Tree& tree, const ShareFiles& files, std::size_t begin,
+                           std::size_t end) {
+        if (tree.own_items() * sizeof(P) > build_.options.memory_bytes / 2) {
+            fail<std::invalid_argument>("farfield::build_pages: " + std::to_string(tree.own_items()) +
+                                        " primitives are larger than the cells of the first " +
+                                        std::to_string(Build::counted_levels) +
+                                        " levels, and take more than half of memory_bytes");
+        }
+        std::vector<std::uint64_t> counts;
+        std::uint64_t all = 0;
+        for (std::size_t g = begin; g < end; ++g) all += counts.emplace_back(tree.items_of_group(g));
+        check_disk(all);
+        std::vector<P> own(std::size_t(tree.own_items()));
+        std::vector<std::uint32_t> next_own;
+        for (const TopNode& n : tree.nodes()) next_own.push_back(n.own_begin);
+        ScatterWriter<P> writer(files.scattered(), counts, std::size_t(build_.options.memory_bytes / 4));
+        std::vector<std::array<std::uint32_t, stream_batch>> nodes(stream_batches_at_once);
+        const std::uint64_t whole_count = build_.plan.facts.primitive_count;
+        const std::uint64_t count = in_batches<P>(
+            stream, build_.control,
+            [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
+                for (std::size_t i = 0; i < batch.size(); ++i) {
+                    nodes[slot][i] =
+                        tree.node_of(build_.options.build.partition,
+                                     {local_bounds(batch[i], build_.plan.facts.origin), std::uint32_t(first + i), 0});
+                }
+            },
+            [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
+                if (first + batch.size() > whole_count) SceneSurvey<Build>(build_).check_stream(first + batch.size());
+                for (std::size_t i = 0; i < batch.size(); ++i) {
+                    const std::uint32_t n = nodes[slot][i];
+                    const TopNode& node = tree.nodes()[n];
+                    if (node.child_mask != 0) {
+                        if (next_own[n] == node.own_begin + node.own_items) refuse_other_stream();
+                        own[next_own[n]++] = batch[i];
+                    } else if (const std::size_t g = tree.group_of_part(node.part); g >= begin && g < end) {
+                        writer.add(g - begin, batch[i]);
+                    }
+                }
+                const std::uint64_t done = first + batch.size();
+                if (done / Build::reported_each != first / Build::reported_each) {
+                    build_.control.report(BuildPhase::moving, std::size_t(done), std::size_t(whole_count));
+                }
+            });
+        SceneSurvey<Build>(build_).check_stream(count);
+        writer.finish();
+        return own;
+    }
+    [[noreturn]] static void refuse_other_stream() {
+        fail<std::invalid_argument>(
+            "farfield::build_pages: the stream gives other primitives than at first, or in another order");
+    }
+    /// "A disk that is full" is said before hours have gone by: the temporary file, and the pages.
+    void check_disk(std::uint64_t items) const {
+        std::error_code error;
+        std::filesystem::path folder = build_.path.parent_path();
+        if (folder.empty()) folder = ".";
+        const std::filesystem::space_info space = std::filesystem::space(folder, error);
+        const std::uint64_t needed = items * (sizeof(P) + sizeof(P) + sizeof(P) / 8);
+        if (!error && space.available < needed) {
+            refuse_file("build_pages", build_.path,
+                        "needs about " + std::to_string(needed >> 20) + " MiB, and the disk has " +
+                            std::to_string(space.available >> 20) + " left");
+        }
+    }
+
+    Build& build_;
+};
+
+}  // namespace detail
+
+}  // namespace farfield
