@@ -40,10 +40,9 @@ struct Chunk {
     std::uint32_t view = 0;
     std::uint64_t hash = 0;  ///< of the records, equal for equal ones: 2^-64 times the square of their number is what
                              ///< may go wrong
-    // Of stand-ins:
-    std::array<std::uint16_t, 3> of_law{};  ///< how many have each law
-    bool is_of_faces = false;               ///< all are faces; else all are splats
     Box box = Box::empty();                 ///< that holds them
+    std::array<std::uint16_t, 3> of_law{};  ///< of stand-ins: how many have each law
+    bool is_of_faces = false;               ///< stand-ins are all faces; else all are splats
 };
 
 /// Instances that show the same part of a hierarchy have equal chunks, which are there once. New chunks are put one

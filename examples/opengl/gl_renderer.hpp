@@ -30,7 +30,7 @@ struct GlOptions {
     bool culls_back_faces = false;            ///< for closed surfaces that are counter-clockwise seen from outside
     /// What stands in covers each sample in lanes x lanes parts, 1, 2 or 4 a side: things side by side in a lane go for
     /// things behind one another.
-    int lanes = 2;
+    int lanes = 1;
 };
 
 /// Counts of the last frame, images made in it included.

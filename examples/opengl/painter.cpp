@@ -35,6 +35,11 @@ void sort_by_law(std::span<FarRecord> records) {
     std::copy_n(sorted.begin(), count, records.begin());
 }
 
+void set_scissor(const ScreenRectangle& part, int scale) {
+    glScissor(part.left * scale, part.top * scale, part.width() * scale, part.height() * scale);
+    glEnable(GL_SCISSOR_TEST);
+}
+
 const void* at_word(std::size_t word) {
     return reinterpret_cast<const void*>(word * sizeof(std::uint32_t));
 }
@@ -88,8 +93,8 @@ void Painter::paint(const Picture& picture, const Sources& sources, const KeptIm
     glDisable(GL_STENCIL_TEST);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, now_->commands.name());
+    find_parts(picture, sources, images, options);
     draw_geometry(picture, sources, images, target, options);
-    far_part_ = far_part(picture, images, options);
     if (!far_part_.is_empty()) draw_far(picture, images, target, options);
     composite(target, to, options);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
@@ -175,17 +180,28 @@ void Painter::add_far_chunks(std::span<const Chunk> chunks) {
     }
 }
 
-ScreenRectangle Painter::far_part(const Picture& picture, const KeptImages& images,
-                                  const PaintOptions& options) const {
-    DrawnPart part(options.width, options.height);
-    for (const Chunk& c : picture.far.chunks) part.add(c.box, picture.rows[c.view]);
+void Painter::find_parts(const Picture& picture, const Sources& sources, const KeptImages& images,
+                         const PaintOptions& options) {
+    DrawnPart far_part(options.width, options.height), part = far_part;
+    for (const Chunk& c : picture.far.chunks) far_part.add(c.box, picture.rows[c.view]);
+    for (const Chunk& c : picture.streamed.chunks) part.add(c.box, picture.rows[c.view]);
+    for (const RunsOfSource& of_source : picture.runs()) {
+        std::uint32_t last = ~std::uint32_t(0);
+        for (const TriangleRun& run : of_source.runs) {
+            if (run.local_view == last) continue;
+            last = run.local_view;
+            part.add(sources[of_source.source]->box, picture.rows[last]);
+        }
+    }
     for (const PlacedImage& placed : picture.images) {
         const ImageQuad& q = placed.quad;
-        if (images[q.image].is_solid) continue;
+        DrawnPart& to = images[q.image].is_solid ? part : far_part;
         for (const glm::vec3 corner : {q.corner, q.corner + q.across, q.corner + q.down, q.corner + q.across + q.down})
-            part.add(corner, picture.rows[placed.view]);
+            to.add(corner, picture.rows[placed.view]);
     }
-    return part.rectangle();
+    part.add(far_part);
+    far_part_ = far_part.rectangle();
+    part_ = part.rectangle();
 }
 
 GLuint Painter::use(Shader shader, unsigned features, const PaintOptions& options) {
@@ -208,6 +224,7 @@ void Painter::draw_geometry(const Picture& picture, const Sources& sources, cons
     glDepthFunc(GL_GREATER);
     glDisable(GL_BLEND);
     const GLfloat nothing = 0;
+    set_scissor(part_, options.side);
     glClearBufferfv(GL_COLOR, 0, &options.background.x);
     glClearBufferfv(GL_DEPTH, 0, &nothing);
     if (options.culls_back_faces) {
@@ -250,17 +267,17 @@ void Painter::draw_far(const Picture& picture, const KeptImages& images, Target&
     const bool keeps_depths = options.quad_depth.has_value();
     const int width = options.width * options.side * options.lanes;
     const int height = options.height * options.side * options.lanes;
-    target.fit_deposits(width, height, keeps_depths);
+    target.fit_deposits(width, height, keeps_depths, options.lanes == 1);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.deposits.name());
     glViewport(0, 0, width, height);
-    const int scale = options.side * options.lanes;
-    glScissor(far_part_.left * scale, far_part_.top * scale, far_part_.width() * scale, far_part_.height() * scale);
-    glEnable(GL_SCISSOR_TEST);
+    set_scissor(far_part_, options.side * options.lanes);
     const GLfloat nothing[4] = {0, 0, 0, 0}, no_depth[4] = {-1, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, nothing);
     if (target.nearest.name() != 0) glClearBufferfv(GL_COLOR, 1, no_depth);
     glDepthMask(GL_TRUE);
-    if (geometry_calls_.empty() && picture.images.empty()) {
+    if (options.lanes == 1) {
+        // The depths are there.
+    } else if (geometry_calls_.empty() && picture.images.empty()) {
         glClearBufferfv(GL_DEPTH, 0, nothing);
     } else {
         glDepthFunc(GL_ALWAYS);
@@ -345,20 +362,22 @@ void Painter::composite(Target& target, GLuint to, const PaintOptions& options) 
     glViewport(0, 0, options.width, options.height);
     glDisable(GL_DEPTH_TEST);
     for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+    const GLfloat no_depth[4] = {-1e30f, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, &options.background.x);
+    if (options.quad_depth) glClearBufferfv(GL_COLOR, 1, no_depth);
     // Where samples are pixels, what the far field leaves alone is copied.
     const bool copies = options.side == 1 && !options.quad_depth;
-    const ScreenRectangle& part = far_part_;
+    if (part_.is_empty()) return;
     if (copies) {
-        glBlitNamedFramebuffer(target.geometry.name(), to, 0, 0, options.width, options.height, 0, 0, options.width,
-                               options.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-        if (part.is_empty()) return;
-        glScissor(part.left, part.top, part.width(), part.height());
-        glEnable(GL_SCISSOR_TEST);
+        glBlitNamedFramebuffer(target.geometry.name(), to, part_.left, part_.top, part_.right, part_.bottom, part_.left,
+                               part_.top, part_.right, part_.bottom, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+        if (far_part_.is_empty()) return;
     }
+    set_scissor(copies ? far_part_ : part_, 1);
     glUseProgram(programs_.get(Shader::composite, options.quad_depth ? KEEPS_DEPTHS : 0u));
     glUniform1i(1, options.side);
     glUniform1i(11, options.lanes);
-    glUniform4i(2, part.left, part.top, part.right, part.bottom);
+    glUniform4i(2, far_part_.left, far_part_.top, far_part_.right, far_part_.bottom);
     glBindTextureUnit(0, target.color.name());
     glBindTextureUnit(1, target.far_field.name());
     if (options.quad_depth) {

@@ -88,7 +88,8 @@ class Painter {
     void draw_far(const Picture& picture, const KeptImages& images, Target& target, const PaintOptions& options);
     void draw_image(const PlacedImage& placed, const KeptImages& images, int mode, int lanes,
                     const PaintOptions& options);
-    ScreenRectangle far_part(const Picture& picture, const KeptImages& images, const PaintOptions& options) const;
+    void find_parts(const Picture& picture, const Sources& sources, const KeptImages& images,
+                    const PaintOptions& options);
     void composite(Target& target, GLuint to, const PaintOptions& options);
     GLuint use(Shader shader, unsigned features, const PaintOptions& options);
 
@@ -107,7 +108,7 @@ class Painter {
     ChunkStore<TriangleVertices> streamed_store_;
     std::vector<std::uint32_t> words_;  ///< of commands
     std::vector<Call> geometry_calls_, far_calls_;
-    ScreenRectangle far_part_;  ///< in pixels
+    ScreenRectangle part_, far_part_;  ///< that is drawn into, and that stand-ins are, in pixels
 };
 
 }  // namespace farfield::opengl

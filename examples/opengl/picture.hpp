@@ -27,6 +27,7 @@ namespace farfield::opengl {
 /// A run of a source, in triangles.
 struct TriangleRun {
     std::uint32_t first, count, view;
+    std::uint32_t local_view;  ///< of the source's own coordinates, if vertices have others
 };
 
 struct RunsOfSource {
@@ -68,7 +69,9 @@ class Picture {
             records.push_back(record);
             Chunk& chunk = chunks.back();
             ++chunk.count;
-            if constexpr (std::is_same_v<Record, FarRecord>) {
+            if constexpr (std::is_same_v<Record, TriangleVertices>) {
+                for (const Vertex& v : record.corner) chunk.box.add(v.position);
+            } else {
                 ++chunk.of_law[std::size_t(law_of(record)) % 3];
                 chunk.is_of_faces = is_face(record);
                 const Box box = box_of(record);
@@ -114,7 +117,7 @@ class Picture {
         if (!runs.empty() && runs.back().view == view && runs.back().first + runs.back().count == first) {
             runs.back().count += end - first;
         } else {
-            runs.push_back({first, end - first, view});
+            runs.push_back({first, end - first, view, this->view()});
         }
     }
     void add(const TriangleVertices& t) {
