@@ -361,6 +361,7 @@ void Painter::composite(Target& target, GLuint to, const PaintOptions& options) 
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
     glViewport(0, 0, options.width, options.height);
     glDisable(GL_DEPTH_TEST);
+    glDisable(GL_SCISSOR_TEST);
     for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
     const GLfloat no_depth[4] = {-1e30f, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, &options.background.x);
