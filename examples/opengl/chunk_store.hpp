@@ -34,7 +34,7 @@ std::uint64_t hash_of(std::uint64_t hash, const Record& record) {
 /// Consecutive records of one view, so many that a hash of the last one says that it ends here: where something comes
 /// or goes, only the chunk around it changes, and not all that follow.
 struct Chunk {
-    static constexpr std::uint32_t mean = 128, most = 512;
+    static constexpr std::uint32_t mean = 32, most = 512;
 
     std::uint32_t first = 0, count = 0;  ///< in the picture's list of records
     std::uint32_t view = 0;
@@ -42,6 +42,7 @@ struct Chunk {
                              ///< may go wrong
     Box box = Box::empty();                 ///< that holds them
     std::array<std::uint16_t, 3> of_law{};  ///< of stand-ins: how many have each law
+    std::uint8_t cell_law = 0;              ///< of triangles: CellLaw
     bool is_of_faces = false;               ///< stand-ins are all faces; else all are splats
 };
 

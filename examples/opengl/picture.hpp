@@ -2,6 +2,7 @@
 // calls, and what the last frame drew too is recognized.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>
@@ -30,8 +31,16 @@ struct TriangleRun {
     std::uint32_t local_view;  ///< of the source's own coordinates, if vertices have others
 };
 
+/// Law of the cell that triangles lie in, whose small ones are deposited by it; or none, and each is drawn as it is.
+using CellLaw = std::uint8_t;
+inline constexpr CellLaw no_law = 3;
+inline CellLaw cell_law(const std::optional<AreaLaw>& law) {
+    return law ? CellLaw(*law) : no_law;
+}
+
 struct RunsOfSource {
     std::uint32_t source = 0;
+    CellLaw law = no_law;
     std::vector<TriangleRun> runs{};
 };
 
@@ -57,13 +66,13 @@ class Picture {
         }
         /// The next record begins a new chunk.
         void close() { is_open_ = false; }
-        void add(const Record& record, std::uint32_t view) {
-            if (is_open_ && chunks.back().view != view) is_open_ = false;
+        void add(const Record& record, std::uint32_t view, std::uint8_t cell_law = 0) {
+            if (is_open_ && (chunks.back().view != view || chunks.back().cell_law != cell_law)) is_open_ = false;
             if constexpr (std::is_same_v<Record, FarRecord>) {
                 if (is_open_ && chunks.back().is_of_faces != is_face(record)) is_open_ = false;
             }
             if (!is_open_) {
-                chunks.push_back({.first = std::uint32_t(records.size()), .view = view, .hash = sizeof(Record)});
+                chunks.push_back({.first = std::uint32_t(records.size()), .view = view, .hash = sizeof(Record), .cell_law = cell_law});
                 is_open_ = true;
             }
             records.push_back(record);
@@ -105,12 +114,13 @@ class Picture {
         number_ = none;
     }
 
-    void add_run(std::uint32_t source, glm::vec3 origin, std::uint32_t first, std::uint32_t end) {
+    void add_run(std::uint32_t source, CellLaw law, glm::vec3 origin, std::uint32_t first, std::uint32_t end) {
         if (first == end) return;
-        const auto [found, is_new] = place_of_source_.try_emplace(source, sources_used_);
+        const auto [found, is_new] = place_of_source_.try_emplace(std::uint64_t(source) << 8 | law, sources_used_);
         if (is_new) {
             if (sources_used_ == runs_.size()) runs_.emplace_back();
-            runs_[sources_used_++].source = source;
+            runs_[sources_used_].source = source;
+            runs_[sources_used_++].law = law;
         }
         std::vector<TriangleRun>& runs = runs_[found->second].runs;
         const std::uint32_t view = view_from(origin);
@@ -120,9 +130,9 @@ class Picture {
             runs.push_back({first, end - first, view, this->view()});
         }
     }
-    void add(const TriangleVertices& t) {
+    void add(const TriangleVertices& t, CellLaw law) {
         has_translucent_streamed = has_translucent_streamed || is_translucent(t);
-        streamed.add(t, view());
+        streamed.add(t, view(), law);
     }
     void add(const Face& face) {
         if (face.rgba.a != 0) far.add(record_of(face), view());
@@ -131,6 +141,14 @@ class Picture {
     void add(const ImageQuad& quad) {
         far.close();
         images.push_back({quad, view(), far.chunks.size()});
+    }
+
+    /// Whether small triangles may be deposited.
+    bool has_laws() const {
+        const auto has_law = [](const auto& of) { return of.law != no_law; };
+        const auto chunk_has_law = [](const Chunk& c) { return c.cell_law != no_law; };
+        return std::any_of(runs_.begin(), runs_.begin() + std::ptrdiff_t(sources_used_), has_law) ||
+               std::any_of(streamed.chunks.begin(), streamed.chunks.end(), chunk_has_law);
     }
 
     std::span<const RunsOfSource> runs() const { return {runs_.data(), sources_used_}; }
@@ -163,7 +181,7 @@ class Picture {
 
     std::vector<RunsOfSource> runs_;
     std::size_t sources_used_ = 0;
-    std::unordered_map<std::uint32_t, std::size_t> place_of_source_;
+    std::unordered_map<std::uint64_t, std::size_t> place_of_source_;  ///< and law
     std::unordered_map<std::uint64_t, std::uint32_t> known_rows_;
     std::optional<ViewRow> row_;
     std::uint32_t number_ = none;

@@ -28,9 +28,42 @@ void clip(float depth) {
 #endif
 )";
 
+/// All of a triangle for each of its vertices, and whether it is small: both of its sides below two samples, and not
+/// cut by a plane. (raster/triangles/triangle_triage.inl is what the software renderers do.)
+constexpr const char* whole_triangle_text = R"(
+layout(binding = 0) uniform usamplerBuffer vertices;
+layout(location = 4) uniform vec2 samples;  // of the picture
+vec3 corner_place[3];
+vec4 corner_color[3];
+vec3 corner_at[3];  // in samples, and depth as in the depth buffer
+float area;         // in samples
+bool is_small(int triangle) {
+    bool is_whole = true;
+    for (int i = 0; i < 3; ++i) {
+        uvec4 v = texelFetch(vertices, 3 * triangle + i);
+        corner_place[i] = uintBitsToFloat(v.xyz);
+        corner_color[i] = unpackUnorm4x8(v.w);
+        vec3 d = corner_place[i] - anchor.xyz;
+        float depth = dot(forward.xyz, d);
+        vec4 c = clip_of(d, depth);
+        if (!(depth > depths.z && depth <= depths.w)) is_whole = false;
+        float inverse = 1 / c.w;
+        corner_at[i] = vec3((0.5 + vec2(0.5, -0.5) * c.xy * inverse) * samples, c.z * inverse);
+    }
+    vec2 a = corner_at[0].xy, b = corner_at[1].xy, c = corner_at[2].xy;
+    area = 0.5 * abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y));
+    vec2 sides = max(max(a, b), c) - min(min(a, b), c);
+    return is_whole && all(lessThan(sides, vec2(2))) && area > 0;
+}
+)";
+
 constexpr const char* triangles_vertex = R"(
+#ifdef LEAVES_SMALL
+layout(location = 5) uniform int draws_behind;
+#else
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 color;
+#endif
 out vec4 seen;
 #ifdef LIT
 out vec3 place;
@@ -41,12 +74,25 @@ flat out float behind;
 flat out uint hash;
 #endif
 void main() {
+#ifdef LEAVES_SMALL
+    bool small = is_small(gl_VertexID / 3);
+    vec3 position = corner_place[gl_VertexID % 3];
+    vec4 color = corner_color[gl_VertexID % 3];
+#endif
     vec3 d = position - anchor.xyz;
     float depth = dot(forward.xyz, d);
     gl_Position = clip_of(d, depth);
     seen = color;
 #ifdef CLIPS
     clip(depth);
+#endif
+#ifdef LEAVES_SMALL
+    if (small) {
+        // Squares do not tile a surface as its triangles do: so that nothing shows through, these are drawn as well,
+        // as far away as their farthest corners.
+        gl_Position.z = min(min(corner_at[0].z, corner_at[1].z), corner_at[2].z) * gl_Position.w;
+        if (draws_behind == 0) gl_Position = vec4(2, 2, 2, 1);
+    }
 #endif
 #ifdef LIT
     place = d;
@@ -165,6 +211,48 @@ void main() {
         uint opacity = color >> 24 << 16 | (v & 255u) << 8 | (u >> 1 & 255u);
         deposit = vec4(rgb(color) / 255, loss(float(opacity) / 16777215.0, signs));
     }
+}
+)";
+
+/// A small triangle as a deposit: a square of its area about its middle.
+constexpr const char* small_vertex = R"(
+layout(location = 0) uniform vec2 size;       // of the picture, in lanes
+layout(location = 1) uniform int is_coherent;
+layout(location = 5) uniform int law;
+layout(location = 6) uniform vec2 brightness;  // ambient, diffuse
+layout(location = 7) uniform int is_lit;
+layout(location = 8) uniform int culled;       // 1: clockwise ones, -1: counter-clockwise ones
+flat out vec4 rectangle;
+flat out vec4 deposit;
+void main() {
+    int corner = gl_VertexID % 3;
+    bool small = is_small(gl_VertexID / 3);
+    vec2 u = corner_at[1].xy - corner_at[0].xy, v = corner_at[2].xy - corner_at[0].xy;
+    float turn = v.x * u.y - u.x * v.y;  // rows run downwards
+    if (culled * turn < 0) small = false;
+    vec3 middle = (corner_at[0] + corner_at[1] + corner_at[2]) / 3;
+    float lanes = size.x / samples.x;
+    vec2 half_size = vec2(0.5 * sqrt(area) * lanes);
+    rectangle = vec4(middle.xy * lanes - half_size, middle.xy * lanes + half_size);
+    vec2 at = floor(rectangle.xy), end = ceil(rectangle.zw);
+    if (corner == 1) at.x += 2 * (end.x - at.x);
+    if (corner == 2) at.y += 2 * (end.y - at.y);
+    gl_Position = small ? vec4(vec2(2, -2) * at / size + vec2(-1, 1), middle.z, 1) : vec4(2, 2, 2, 1);
+    vec4 color = (corner_color[0] + corner_color[1] + corner_color[2]) / 3;
+    if (is_lit != 0) {
+        vec3 normal = cross(corner_place[1] - corner_place[0], corner_place[2] - corner_place[0]);
+        vec3 to_eye = forward.w != 0 ? anchor.xyz - forward.xyz * anchor.w - corner_place[0] : -forward.xyz;
+        if (dot(normal, to_eye) < 0) normal = -normal;
+        float squares = dot(normal, normal) * dot(light.xyz, light.xyz);
+        float cosine = squares > 0 ? dot(normal, light.xyz) * inversesqrt(squares) : 0;
+        color.rgb = min(color.rgb * (brightness.x + brightness.y * max(cosine, 0)), 1);
+    }
+#ifdef CLIPS
+    gl_ClipDistance[0] = gl_ClipDistance[1] = 1;
+#endif
+    // Of something opaque (area_law.hpp, loss_of_opacity).
+    float part = law == 1 ? 0.5 : (law == 2) == (is_coherent != 0) ? 1.0 : 0.0;
+    deposit = vec4(color.rgb, color.a * part);
 }
 )";
 
@@ -362,13 +450,14 @@ struct Texts {
     const char* vertex;
     const char* fragment;
     bool has_view;
+    bool has_whole_triangles = false;
 };
 constexpr Texts texts[shaders] = {
     {triangles_vertex, triangles_fragment, true}, {far_vertex, far_fragment, true},
-    {quad_vertex, quad_fragment, true},           {whole_vertex, copied_depth_fragment, false},
+    {small_vertex, far_fragment, true, true},     {quad_vertex, quad_fragment, true},           {whole_vertex, copied_depth_fragment, false},
     {whole_vertex, composite_fragment, false},    {bounds_vertex, bounds_fragment, true},
 };
-constexpr const char* names[] = {"CLIPS", "LIT", "TRANSLUCENT", "SLICED", "KEEPS_DEPTHS"};
+constexpr const char* names[] = {"CLIPS", "LIT", "TRANSLUCENT", "SLICED", "KEEPS_DEPTHS", "LEAVES_SMALL"};
 
 struct Compiled {
     GLuint name;
@@ -399,7 +488,9 @@ GLuint Programs::get(Shader shader, unsigned features) {
         if ((features >> i & 1u) != 0) head += "#define " + std::string(names[i]) + "\n";
     }
     const Texts& t = texts[std::size_t(shader)];
-    const Compiled vertex(GL_VERTEX_SHADER, head + (t.has_view ? view_text : "") + t.vertex);
+    const bool has_whole = t.has_whole_triangles || (features & LEAVES_SMALL) != 0;
+    const Compiled vertex(GL_VERTEX_SHADER, head + (t.has_view ? view_text : "") +
+                                                (has_whole ? whole_triangle_text : "") + t.vertex);
     const Compiled fragment(GL_FRAGMENT_SHADER, head + t.fragment);
     Program made(GL_NONE);
     for (const Compiled* part : {&vertex, &fragment}) glAttachShader(made.name(), part->name);
