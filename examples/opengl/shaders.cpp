@@ -327,11 +327,14 @@ int fade_order(ivec2 p) {
     return order;
 }
 void main() {
+    // Lanes see what their sample sees.
+    vec2 to_sample = (floor(gl_FragCoord.xy / float(lanes)) + 0.5) * float(lanes) - gl_FragCoord.xy;
+    vec2 t = at + dFdx(at) * to_sample.x + dFdy(at) * to_sample.y - 0.5;
+    float z = gl_FragCoord.z + dFdx(gl_FragCoord.z) * to_sample.x + dFdy(gl_FragCoord.z) * to_sample.y;
     if (part.y - part.x < 64) {
         int order = fade_order(ivec2(gl_FragCoord.xy) / lanes + part.zw);
         if (order < part.x || order >= part.y) discard;
     }
-    vec2 t = at - 0.5;
     ivec2 first = ivec2(floor(t));
     vec2 f = t - vec2(first);
     vec4 sum = vec4(0);
@@ -355,7 +358,6 @@ void main() {
     } else if (mode == 1) {
         sum.a = 1;
     }
-    float z = gl_FragCoord.z;
     if (relative != none) z = depth_rule.y != 0 ? (z + depth_rule.x) * relative - depth_rule.x : z + relative;
 #ifdef SLICED
     if (z < slice.x || z > slice.y) discard;
