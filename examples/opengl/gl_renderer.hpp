@@ -33,7 +33,7 @@ struct GlOptions {
     bool deposits_small_triangles = true;
     /// What stands in covers each sample in lanes x lanes parts, 1, 2 or 4 a side: things side by side in a lane go for
     /// things behind one another.
-    int lanes = 1;
+    int lanes = 2;
 };
 
 /// Counts of the last frame, images made in it included.

@@ -301,6 +301,7 @@ void Painter::draw_small_triangles(const Picture& picture, const Sources& source
     glUniform2f(0, lanes.x, lanes.y);
     glUniform2f(4, samples.x, samples.y);
     glUniform1i(7, options.light ? 1 : 0);
+    glUniform1i(11, options.lanes);
     glUniform1i(8, !options.culls_back_faces ? 0 : options.is_mirrored ? -1 : 1);
     if (options.light) glUniform2f(6, options.light->ambient, options.light->diffuse);
     glBindVertexArray(triangles_.name());
@@ -374,6 +375,7 @@ void Painter::draw_far(const Picture& picture, const Sources& sources, const Kep
                 use(Shader::far_field, keeps_depths ? KEEPS_DEPTHS : 0u, options);
                 glUniform2f(0, float(width), float(height));
                 glUniform1i(1, call.kind == Call::Kind::coherent ? 1 : 0);
+                glUniform1i(11, options.lanes);
                 glBindVertexArray(far_.name());
                 glBindTextureUnit(0, records_.name());
             }

@@ -156,6 +156,8 @@ constexpr const char* far_vertex = R"(
 layout(binding = 0) uniform usamplerBuffer records;
 layout(location = 0) uniform vec2 size;          // of the picture, in lanes
 layout(location = 1) uniform int is_coherent;    // which of the two losses is deposited
+layout(location = 11) uniform int lanes;         // of a sample
+out vec2 on_face;                                // of a face: where, 0 to 1
 flat out vec4 rectangle;                         // left, top, right, bottom, in lanes
 flat out vec4 deposit;                           // color, loss where a lane is covered whole
 
@@ -167,6 +169,17 @@ float loss(float opacity, uint law) {
 }
 vec3 rgb(uint color) { return vec3(color & 255u, color >> 8 & 255u, color >> 16 & 255u); }
 
+vec3 on_plane(vec3 lower, int axis, float along, float down) {
+    lower[(axis + 1) % 3] += along;
+    lower[(axis + 2) % 3] += down;
+    return lower;
+}
+vec2 samples_from(vec3 p, vec4 from) {
+    vec3 d = p - anchor.xyz;
+    vec4 to = clip_of(d, dot(forward.xyz, d));
+    return to.w > 0 && from.w > 0 ? (to.xy / to.w - from.xy / from.w) * (0.5 * size / float(lanes)) : vec2(1e6);
+}
+
 void main() {
     int record = gl_VertexID >> 2, corner = gl_VertexID & 3;
     uvec2 a = texelFetch(records, 3 * record).xy;
@@ -177,11 +190,22 @@ void main() {
     bool to_the_right = corner == 1 || corner == 2, below = corner >= 2;
     if ((u & 1u) != 0u) {
         int axis = int(signs);
-        if (to_the_right) place[(axis + 1) % 3] += uintBitsToFloat(u & 0x7ffffffeu);
-        if (below) place[(axis + 2) % 3] += uintBitsToFloat(v & 0x7fffffffu);
-        vec3 d = place - anchor.xyz;
+        float width = uintBitsToFloat(u & 0x7ffffffeu), height = uintBitsToFloat(v & 0x7fffffffu);
+        on_face = vec2(to_the_right, below);
+        vec3 d = on_plane(place, axis, on_face.x * width, on_face.y * height) - anchor.xyz;
         float depth = dot(forward.xyz, d);
         gl_Position = clip_of(d, depth);
+        if (lanes > 1) {
+            // A sample's lanes are covered as the sample is: the face is drawn larger by a sample, and cut off there.
+            vec2 other = 1 - on_face;
+            vec2 lengths = vec2(
+                length(samples_from(on_plane(place, axis, other.x * width, on_face.y * height), gl_Position)),
+                length(samples_from(on_plane(place, axis, on_face.x * width, other.y * height), gl_Position)));
+            on_face += (2 * on_face - 1) * min(1 / max(lengths, 1e-6), 8);
+            d = on_plane(place, axis, on_face.x * width, on_face.y * height) - anchor.xyz;
+            depth = dot(forward.xyz, d);
+            gl_Position = clip_of(d, depth);
+        }
 #ifdef CLIPS
         clip(depth);
 #endif
@@ -190,6 +214,7 @@ void main() {
         deposit = vec4(rgb(color) / float(alpha),
                        loss(float(alpha) / 255, alpha >= 192u ? 2u : alpha >= 96u ? 1u : 0u));
     } else {
+        on_face = vec2(0.5);
         vec3 d = place - anchor.xyz;
         float depth = dot(forward.xyz, d);
         vec4 center = clip_of(d, depth);
@@ -222,18 +247,20 @@ layout(location = 5) uniform int law;
 layout(location = 6) uniform vec2 brightness;  // ambient, diffuse
 layout(location = 7) uniform int is_lit;
 layout(location = 8) uniform int culled;       // 1: clockwise ones, -1: counter-clockwise ones
+out vec2 on_face;
 flat out vec4 rectangle;
 flat out vec4 deposit;
 void main() {
+    on_face = vec2(0.5);
     int corner = gl_VertexID % 3;
     bool small = is_small(gl_VertexID / 3);
     vec2 u = corner_at[1].xy - corner_at[0].xy, v = corner_at[2].xy - corner_at[0].xy;
     float turn = v.x * u.y - u.x * v.y;  // rows run downwards
     if (culled * turn < 0) small = false;
     vec3 middle = (corner_at[0] + corner_at[1] + corner_at[2]) / 3;
-    float lanes = size.x / samples.x;
-    vec2 half_size = vec2(0.5 * sqrt(area) * lanes);
-    rectangle = vec4(middle.xy * lanes - half_size, middle.xy * lanes + half_size);
+    float side = size.x / samples.x;  // of a sample, in lanes
+    vec2 half_size = vec2(0.5 * sqrt(area) * side);
+    rectangle = vec4(middle.xy * side - half_size, middle.xy * side + half_size);
     vec2 at = floor(rectangle.xy), end = ceil(rectangle.zw);
     if (corner == 1) at.x += 2 * (end.x - at.x);
     if (corner == 2) at.y += 2 * (end.y - at.y);
@@ -257,6 +284,8 @@ void main() {
 )";
 
 constexpr const char* far_fragment = R"(
+in vec2 on_face;
+layout(location = 11) uniform int lanes;
 flat in vec4 rectangle;
 flat in vec4 deposit;
 layout(location = 1) uniform int is_coherent;
@@ -268,9 +297,12 @@ layout(location = 1) out float nearest;
 layout(location = 3) uniform vec2 slice;
 #endif
 void main() {
+    vec2 to_sample = (floor(gl_FragCoord.xy / float(lanes)) + 0.5) * float(lanes) - gl_FragCoord.xy;
+    vec2 sampled = on_face + dFdx(on_face) * to_sample.x + dFdy(on_face) * to_sample.y;
 #ifdef SLICED
     if (gl_FragCoord.z < slice.x || gl_FragCoord.z > slice.y) discard;
 #endif
+    if (lanes > 1 && (any(lessThan(sampled, vec2(0))) || any(greaterThanEqual(sampled, vec2(1))))) discard;
     vec2 overlap = min(rectangle.zw, gl_FragCoord.xy + 0.5) - max(rectangle.xy, gl_FragCoord.xy - 0.5);
     overlap = max(overlap, 0);
     float loss = deposit.w * overlap.x * overlap.y;
