@@ -156,6 +156,7 @@ void GlRenderer::end_frame() {
         s.resolved_width = s.width;
         s.resolved_height = s.height;
     }
+    s.frame.end();
     PaintOptions options = paint_options(view, s.side);
     options.lanes = s.options.lanes;
     options.background = to_vec4(s.options.background);
@@ -228,6 +229,7 @@ std::uint32_t GlRenderer::end_image() {
 void GlRenderer::end_image(std::span<std::uint32_t> handles) {
     State& s = *state_;
     s.now = &s.frame;
+    s.image.end();
     const LocalView& view = *s.image_view;
     bool is_solid = s.image_side == 1 && s.image.far.chunks.empty() && !s.image.has_laws();
     for (const PlacedImage& placed : s.image.images) is_solid = is_solid && s.images[placed.quad.image].is_solid;

@@ -11,7 +11,7 @@ namespace {
 
 /// Stand-ins of different laws are drawn in different states, two calls for so many of them; within, those that are
 /// strewn come before those that are surfaces. So there are never more calls than this, however many stand-ins.
-constexpr std::size_t most_slabs = 256;
+constexpr std::size_t most_slabs = 512;
 constexpr GLuint vertices_binding = 0, views_binding = 1;
 
 void set_view_attributes(GLuint array) {
@@ -167,7 +167,11 @@ void Painter::add_far_calls(const Picture& picture, const KeptImages& images) {
     for (std::size_t i = 0; i <= picture.images.size(); ++i) {
         const bool is_end = i == picture.images.size();
         if (!is_end && images[picture.images[i].quad.image].is_solid) continue;
-        const std::size_t end = is_end ? chunks.size() : picture.images[i].first_chunk;
+        const auto before = [&](const Chunk& c, std::size_t record) { return c.first < record; };
+        const auto end_of = [&](std::size_t record) {
+            return std::size_t(std::lower_bound(chunks.begin(), chunks.end(), record, before) - chunks.begin());
+        };
+        const std::size_t end = is_end ? chunks.size() : end_of(picture.images[i].first_record);
         add_far_chunks(std::span(chunks).subspan(next, end - next));
         next = end;
         if (!is_end) begin_call(Call::Kind::image, i);

@@ -47,12 +47,12 @@ struct RunsOfSource {
 struct PlacedImage {
     ImageQuad quad;
     std::uint32_t view;
-    std::size_t first_chunk;  ///< of the stand-ins that come after it
+    std::size_t first_record;  ///< of the stand-ins that come after it
 };
 
 class Picture {
   public:
-    /// Chunks of records of one type.
+    /// Records of one type, and the chunks that they make.
     template <class Record>
     class Stream {
       public:
@@ -62,36 +62,54 @@ class Picture {
         void clear() {
             records.clear();
             chunks.clear();
+            spans_.clear();
             is_open_ = false;
         }
         /// The next record begins a new chunk.
         void close() { is_open_ = false; }
-        void add(const Record& record, std::uint32_t view, std::uint8_t cell_law = 0) {
-            if (is_open_ && (chunks.back().view != view || chunks.back().cell_law != cell_law)) is_open_ = false;
-            if constexpr (std::is_same_v<Record, FarRecord>) {
-                if (is_open_ && chunks.back().is_of_faces != is_face(record)) is_open_ = false;
-            }
-            if (!is_open_) {
-                chunks.push_back({.first = std::uint32_t(records.size()), .view = view, .hash = sizeof(Record), .cell_law = cell_law});
+        void add(const Record& record, std::uint32_t view, std::uint8_t law = 0, bool is_face = false) {
+            if (!is_open_ || spans_.back().view != view || spans_.back().cell_law != law ||
+                spans_.back().is_of_faces != is_face) {
+                spans_.push_back({.first = std::uint32_t(records.size()),
+                                  .view = view,
+                                  .hash = sizeof(Record),
+                                  .cell_law = law,
+                                  .is_of_faces = is_face});
                 is_open_ = true;
             }
             records.push_back(record);
-            Chunk& chunk = chunks.back();
-            ++chunk.count;
-            if constexpr (std::is_same_v<Record, TriangleVertices>) {
-                for (const Vertex& v : record.corner) chunk.box.add(v.position);
-            } else {
-                ++chunk.of_law[std::size_t(law_of(record)) % 3];
-                chunk.is_of_faces = is_face(record);
-                const Box box = box_of(record);
-                chunk.box = {glm::min(chunk.box.lower, box.lower), glm::max(chunk.box.upper, box.upper)};
+        }
+        /// Makes chunks of all records.
+        void cut() {
+            chunks.clear();
+            const std::uint64_t mask = Chunk::mean(records.size()) - 1;
+            for (std::size_t i = 0; i < spans_.size(); ++i) {
+                const std::size_t end = i + 1 < spans_.size() ? spans_[i + 1].first : records.size();
+                Chunk chunk = spans_[i];
+                for (std::size_t at = chunk.first; at < end; ++at) {
+                    const std::uint64_t own = hash_of(0, records[at]);
+                    chunk.hash = hashed(chunk.hash, own);
+                    ++chunk.count;
+                    look_at(records[at], chunk);
+                    if ((own & mask) != 0 && chunk.count < Chunk::most && at + 1 < end) continue;
+                    chunks.push_back(chunk);
+                    chunk = spans_[i];
+                    chunk.first = std::uint32_t(at + 1);
+                }
             }
-            chunk.hash = hash_of(chunk.hash, record);
-            const std::uint64_t own = hash_of(0, record);
-            is_open_ = own % Chunk::mean != 0 && chunk.count < Chunk::most;
         }
 
       private:
+        static void look_at(const TriangleVertices& t, Chunk& chunk) {
+            for (const Vertex& v : t.corner) chunk.box.add(v.position);
+        }
+        static void look_at(const FarRecord& record, Chunk& chunk) {
+            ++chunk.of_law[std::size_t(law_of(record)) % 3];
+            const Box box = box_of(record);
+            chunk.box = {glm::min(chunk.box.lower, box.lower), glm::max(chunk.box.upper, box.upper)};
+        }
+
+        std::vector<Chunk> spans_;  ///< as far as they are known
         bool is_open_ = false;
     };
 
@@ -135,20 +153,26 @@ class Picture {
         streamed.add(t, view(), law);
     }
     void add(const Face& face) {
-        if (face.rgba.a != 0) far.add(record_of(face), view());
+        if (face.rgba.a != 0) far.add(record_of(face), view(), 0, /*is_face=*/true);
     }
     void add(const Splat& splat) { far.add(record_of(splat), view()); }
     void add(const ImageQuad& quad) {
         far.close();
-        images.push_back({quad, view(), far.chunks.size()});
+        images.push_back({quad, view(), far.records.size()});
     }
 
-    /// Whether small triangles may be deposited.
+    /// Whether small triangles may be deposited; after end().
     bool has_laws() const {
         const auto has_law = [](const auto& of) { return of.law != no_law; };
         const auto chunk_has_law = [](const Chunk& c) { return c.cell_law != no_law; };
         return std::any_of(runs_.begin(), runs_.begin() + std::ptrdiff_t(sources_used_), has_law) ||
                std::any_of(streamed.chunks.begin(), streamed.chunks.end(), chunk_has_law);
+    }
+
+    /// Call it when all is added.
+    void end() {
+        streamed.cut();
+        far.cut();
     }
 
     std::span<const RunsOfSource> runs() const { return {runs_.data(), sources_used_}; }

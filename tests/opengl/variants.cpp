@@ -64,7 +64,7 @@ TEST_CASE("OpenGL draws every variant as the z-buffer does", "[opengl]") {
                 return built->viewer({.kind = kind, .samples = samples});
             };
             const auto reference = viewer(scenes::RendererKind::z_buffer), tested = viewer(scenes::RendererKind::opengl);
-            for (const double distance : {1.3, 4.0, 14.0}) {
+            for (const double distance : {1.6, 4.0, 14.0}) {
                 for (const float tolerance : {1.0f, 4.0f}) {
                     const View view{
                         .camera = Camera::perspective(center + towards * (distance * radius), center, {0, 1, 0}, 0.9f),
