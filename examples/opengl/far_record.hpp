@@ -44,7 +44,7 @@ inline FarRecord record_of(const Face& face) {
 
 inline FarRecord record_of(const Splat& splat) {
     const unsigned law = splat.rgb.a & 3u;
-    const auto opacity = std::uint32_t(std::clamp(splat.opacity, 0.0f, 1.0f) * float(0xffffff) + 0.5f);
+    const auto opacity = std::uint32_t(double(std::clamp(splat.opacity, 0.0f, 1.0f)) * 0xffffff + 0.5);
     return {splat.center,
             (detail::length_bits(splat.size.x) & ~0x1ffu) | (opacity & 255u) << 1 | (law & 1u) << 31,
             (detail::length_bits(splat.size.y) & ~0xffu) | (opacity >> 8 & 255u) | (law >> 1) << 31,

@@ -109,7 +109,7 @@ const std::optional<DirectionalLight>& GlRenderer::light() const { return state_
 const GlFrameStats& GlRenderer::stats() const { return state_->stats; }
 std::weak_ptr<const void> GlRenderer::lifetime() const { return state_->alive; }
 float GlRenderer::largest_splat_px() const { return 2.0f / float(state_->side); }
-bool GlRenderer::deposits_primitives() const { return false; }
+bool GlRenderer::deposits_primitives() const { return state_->options.deposits_small_triangles; }
 bool GlRenderer::hidden(const Cell&, CellId) { return false; }
 
 std::uint32_t GlRenderer::keep(std::shared_ptr<const TriangleSource> source) {
@@ -156,6 +156,7 @@ void GlRenderer::end_frame() {
         s.resolved_width = s.width;
         s.resolved_height = s.height;
     }
+    s.frame.end();
     PaintOptions options = paint_options(view, s.side);
     options.lanes = s.options.lanes;
     options.background = to_vec4(s.options.background);
@@ -189,12 +190,12 @@ void GlRenderer::present(GLuint framebuffer, int width, int height) const {
 void GlRenderer::draw(std::uint32_t source, std::span<const Range> ranges) {
     const TriangleSource& triangles = *state_->sources[source];
     for (const Range& r : ranges) {
-        state_->now->add_run(source, triangles.origin, triangles.first_of(r.first),
+        state_->now->add_run(source, cell_law(r.law), triangles.origin, triangles.first_of(r.first),
                              triangles.first_of(r.first + r.count));
     }
 }
-void GlRenderer::draw(const Polygon& polygon) {
-    for_triangles_of(polygon, [this](const TriangleVertices& t) { state_->now->add(t); });
+void GlRenderer::draw(const Polygon& polygon, const std::optional<AreaLaw>& law) {
+    for_triangles_of(polygon, [&](const TriangleVertices& t) { state_->now->add(t, cell_law(law)); });
 }
 void GlRenderer::draw(std::span<const Face> faces) {
     for (const Face& face : faces) state_->now->add(face);
@@ -228,8 +229,9 @@ std::uint32_t GlRenderer::end_image() {
 void GlRenderer::end_image(std::span<std::uint32_t> handles) {
     State& s = *state_;
     s.now = &s.frame;
+    s.image.end();
     const LocalView& view = *s.image_view;
-    bool is_solid = s.image_side == 1 && s.image.far.chunks.empty();
+    bool is_solid = s.image_side == 1 && s.image.far.chunks.empty() && !s.image.has_laws();
     for (const PlacedImage& placed : s.image.images) is_solid = is_solid && s.images[placed.quad.image].is_solid;
     for (std::size_t i = 0; i < handles.size(); ++i) {
         const ImageSlice& slice = s.slices[i];

@@ -72,8 +72,9 @@ class Painter {
     struct Call {
         enum class Kind : unsigned char { runs, streamed, independent, coherent, image };
         Kind kind;
-        std::size_t which = 0;                ///< of the runs, or of the images
-        std::size_t first = 0, count = 0;     ///< commands, in words and in number
+        std::size_t which = 0;             ///< of the runs, or of the images
+        std::size_t first = 0, count = 0;  ///< commands, in words and in number
+        CellLaw law = no_law;              ///< of triangles whose small ones are deposited
     };
 
     void upload(const Picture& picture, const Sources& sources);
@@ -85,10 +86,15 @@ class Painter {
 
     void draw_geometry(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
                        const PaintOptions& options);
-    void draw_far(const Picture& picture, const KeptImages& images, Target& target, const PaintOptions& options);
+    void draw_far(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
+                  const PaintOptions& options);
+    void draw_small_triangles(const Picture& picture, const Sources& sources, glm::vec2 samples,
+                              const PaintOptions& options);
+    GLuint vertices_of(const Call& call, const Picture& picture, const Sources& sources) const;
     void draw_image(const PlacedImage& placed, const KeptImages& images, int mode, int lanes,
                     const PaintOptions& options);
-    ScreenRectangle far_part(const Picture& picture, const KeptImages& images, const PaintOptions& options) const;
+    void find_parts(const Picture& picture, const Sources& sources, const KeptImages& images,
+                    const PaintOptions& options);
     void composite(Target& target, GLuint to, const PaintOptions& options);
     GLuint use(Shader shader, unsigned features, const PaintOptions& options);
 
@@ -100,14 +106,16 @@ class Painter {
     Programs programs_;
     VertexArray triangles_, far_;
     Buffer corners_;  ///< of the records of a chunk, six each
-    Texture records_;
+    GLint most_texels_ = 0;  ///< of a buffer
+    Texture records_, whole_triangles_;
     Lists lists_[2];
     Lists* now_ = nullptr;
     ChunkStore<FarRecord> far_store_;
     ChunkStore<TriangleVertices> streamed_store_;
     std::vector<std::uint32_t> words_;  ///< of commands
     std::vector<Call> geometry_calls_, far_calls_;
-    ScreenRectangle far_part_;  ///< in pixels
+    bool deposits_triangles_ = false;
+    ScreenRectangle part_, far_part_;  ///< that is drawn into, and that stand-ins are, in pixels
 };
 
 }  // namespace farfield::opengl
