@@ -123,11 +123,11 @@ TEST_CASE("all that can be shown is shown without an error of OpenGL, and what i
     directory.write("one.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     directory.write("broken.ply", "no");
     const Outcome outcome =
-        play(directory, "--size 640x480",
+        play(directory, "tree --size 400x300",
              "wait\nscreenshot start.png\nkey C\nwait\nscreenshot three.png\nset difference absolute\nwait\n"
-             "drag left 213 200 300 200\nclick 400 300\nwait\nscreenshot picked.png\nkey C\n"
-             "key L\nkey O\nwait\nscreenshot levels.png\nkey Z\nwheel -6 320 240\n"
-             "drag left 320 240 480 200\nwait\nscreenshot outside.png\nkey Z\nkey L\nkey O\n"
+             "drag left 133 200 200 200\nclick 200 150\nwait\nscreenshot picked.png\nkey C\n"
+             "key L\nkey O\nwait\nscreenshot levels.png\nkey Z\nwheel -6 200 150\n"
+             "drag left 200 150 300 120\nwait\nscreenshot outside.png\nkey Z\nkey L\nkey O\n"
              "set budget 40\nwait\nset budget none\nkey F1\nkey G\nhold W 0.2\nkey F\nwait\n"
              "set variant image-cache\nset threads 1\nwait\n"
              "drop broken.ply\nwait\nscreenshot broken.png\ndrop one.off\nwait\nscreenshot one.png\nquit\n");
