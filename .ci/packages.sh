@@ -6,7 +6,7 @@ farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev zlib1g-dev 
 farfield_chart_packages=(gnuplot-nox)
 # For .ci/run: a second compiler, formatting, the reference; ccache makes the next run short.
 farfield_check_packages=(clang libclang-rt-14-dev clang-format-14 doxygen ccache nginx-light libglfw3-dev libimgui-dev
-    libepoxy-dev xvfb xauth xdotool)
+    libepoxy-dev xvfb xdotool)
 # For whoever wants others' renderers in bench_coverage_peers; nothing installs them unasked.
 farfield_peer_packages=(libembree-dev libepoxy-dev libegl-dev libegl-mesa0 libgl1-mesa-dri)
 
