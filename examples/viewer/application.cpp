@@ -86,7 +86,7 @@ void Application::run() {
         window_.end_frame();
         if (screenshot_) {
             farfield::report::write_png(window_.read_back(), *screenshot_);
-            message_ = script_ ? "" : "written: " + screenshot_->string();
+            notice_ = "written: " + screenshot_->string();
             screenshot_.reset();
         }
         window_.show();
@@ -98,7 +98,8 @@ bool Application::is_settled() const {
     if (builder_.is_busy() || drawer_.is_busy() || is_moving() || is_refining_ || picking_.valid()) return false;
     if (!stage_) return !message_.empty();
     const auto wanted = wanted_order();
-    return wanted && last_order_ && is_same(*wanted, *last_order_) && drawn_ && drawn_->order.number == orders_;
+    if (!wanted) return failed_[look_.variant];
+    return last_order_ && is_same(*wanted, *last_order_) && drawn_ && drawn_->order.number == orders_;
 }
 
 void Application::send(const Event& event) {
@@ -148,7 +149,10 @@ void Application::take_news() {
     } else if (const auto* failed = std::get_if<Failed>(&*news)) {
         if (!has_opened_) throw std::runtime_error(failed->message);
         message_ = failed->message;
-        if (failed->variant && *failed->variant < failed_.size()) failed_[*failed->variant] = true;
+        if (failed->variant && *failed->variant < failed_.size()) {
+            failed_[*failed->variant] = true;
+            if (*failed->variant == look_.variant) look_.variant = 0;
+        }
         being_built_.reset();
     }
 }
@@ -219,7 +223,7 @@ void Application::begin_recording(const std::filesystem::path& file) {
 void Application::end_recording() {
     if (recorder_.is_recording()) {
         farfield::scenes::write_camera_path(recorder_.path(), recording_);
-        message_ = script_ ? "" : "written: " + recording_.string();
+        notice_ = "written: " + recording_.string();
     }
     recorder_.stop();
 }
@@ -326,7 +330,8 @@ void Application::order() {
     if (is_new && wanted->side > 1 && last_order_ && last_order_->side > 1 && drawer_.is_busy()) return;
     wanted->number = ++orders_;
     last_order_ = wanted;
-    is_refining_ = wanted->budget_ms.has_value() && !wanted->frozen && wanted->side == 1;
+    if (is_new) unchanged_ = 0;
+    is_refining_ = false;
     drawer_.draw(std::move(*wanted));
 }
 
@@ -342,9 +347,9 @@ void Application::take_drawn() {
     if (!drawn) return;
     if (!drawn->problem.empty()) {
         message_ = drawn->problem;
-        is_refining_ = false;
     } else {
         message_.clear();
+        notice_.clear();
     }
     if (drawn->order.stage != stage_) return;
     variant_.upload(drawn->variant);
@@ -358,13 +363,22 @@ void Application::take_drawn() {
         errors_.add(float(drawn->rmse));
     }
     resolution_.took(drawn->order.side, drawn->variant_ms + drawn->exact_ms);
-    if (drawn->order.number == orders_ && drawn_ && is_refining_) {
-        const auto &a = drawn->stats, &b = drawn_->stats;
-        const bool is_as_before = is_same(drawn->order, drawn_->order) && a.approximations == b.approximations &&
-                                  a.primitives == b.primitives && a.cells_visited == b.cells_visited;
-        if (is_as_before) is_refining_ = false;
-    }
+    if (drawn->order.number == orders_) is_refining_ = drawn->problem.empty() && gets_better(*drawn);
     drawn_ = std::move(drawn);
+}
+
+/// Whether the same again may be better: within a budget until nothing changes, and while pages come.
+bool Application::gets_better(const Drawn& drawn) {
+    if (drawn.order.side > 1 || drawn.order.frozen) return false;
+    const bool is_as_before = drawn_ && is_same(drawn.order, drawn_->order) && drawn.missing == drawn_->missing &&
+                              drawn.stats.approximations == drawn_->stats.approximations &&
+                              drawn.stats.primitives == drawn_->stats.primitives &&
+                              drawn.stats.cells_visited == drawn_->stats.cells_visited;
+    unchanged_ = is_as_before ? unchanged_ + 1 : 0;
+    // A cache that is too small never has all of them.
+    constexpr int patience = 100;
+    if (drawn.missing > 0) return unchanged_ < patience;
+    return drawn.order.budget_ms && !is_as_before;
 }
 
 void Application::pick(glm::dvec2 at) {
@@ -457,7 +471,7 @@ Shown Application::shown() const {
             .frame_ms = &frame_ms_,
             .errors = &errors_,
             .picked = &picked_,
-            .message = message_,
+            .message = message_.empty() && !look_.hides_panels ? notice_ : message_,
             .is_recording = recorder_.is_recording(),
             .is_playing = recorder_.is_playing(),
             .size = window_.size()};

@@ -66,6 +66,7 @@ class Application final : private ScriptHost {
     std::vector<farfield::View> views_like(const farfield::View& view) const;
     void order();
     void take_drawn();
+    bool gets_better(const Drawn& drawn);
     void paint();
     void paint_lines(glm::dvec2 size);
     void do_clicked(const Clicked& clicked);
@@ -91,13 +92,14 @@ class Application final : private ScriptHost {
     std::vector<BuiltPtr> built_;             ///< null: not yet
     std::vector<bool> failed_;                ///< to build
     std::optional<std::size_t> being_built_;  ///< while the builder is busy
-    std::string message_;
+    std::string message_, notice_;            ///< what went wrong, and what went well
     bool is_over_ = false, has_opened_ = false;
 
     Resolution resolution_;
     std::optional<Order> last_order_;
     std::size_t orders_ = 0;
-    bool is_refining_ = false;  ///< a view within a budget gets better from frame to frame
+    bool is_refining_ = false;  ///< a view that stands gets better from frame to frame
+    int unchanged_ = 0;         ///< frames since it did
     Clock::time_point moved_at_{};
     std::optional<farfield::Camera> camera_;  ///< of the last frame
     std::optional<Drawn> drawn_;

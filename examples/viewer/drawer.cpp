@@ -91,6 +91,7 @@ class Drawer::Easel {
             if (order.most_cells > 0)
                 out.cells = viewer.cells(order.frozen ? *order.frozen : order.view, order.most_cells);
             out.variant = farfield::report::over_background(image, order.background);
+            out.missing += out.stats.cells_missing;
         }
         if (!order.exact) return true;
         if (order.side == 1 && drawer_.is_stale()) return false;
@@ -102,6 +103,7 @@ class Drawer::Easel {
         const FrameStats stats = viewer.frame(view);
         out.exact_ms = ms_since(begin);
         if (!order.variant) out.stats = stats;
+        out.missing += stats.cells_missing;
         out.exact = farfield::report::over_background(viewer.image(), order.background);
         if (!order.difference || !order.variant) return true;
         if (order.side == 1 && drawer_.is_stale()) return false;

@@ -4,6 +4,7 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -24,8 +25,8 @@ namespace viewer {
 
 /// What pictures to draw, and of what.
 struct Order {
-    std::shared_ptr<const Stage> stage;  ///< outlives what is drawn of it
-    BuiltPtr variant, exact;             ///< null: it is not drawn
+    std::shared_ptr<const Stage> stage{};  ///< outlives what is drawn of it
+    BuiltPtr variant{}, exact{};           ///< null: it is not drawn
     farfield::scenes::RendererChoice renderer{}, exact_renderer{};
     farfield::View view{};                   ///< of the variant
     std::optional<farfield::View> frozen{};  ///< what is drawn is chosen for this view, and seen from the other
@@ -44,6 +45,7 @@ struct Drawn {
     Order order;
     farfield::Image variant, exact, difference;
     farfield::FrameStats stats{};
+    std::uint64_t missing = 0;  ///< cells drawn coarser, of both, for their pages have not come
     double variant_ms = 0, exact_ms = 0, flip = -1, rmse = -1;
     std::vector<farfield::scenes::CellOutline> cells;
     std::string problem;  ///< one line; empty: none

@@ -21,6 +21,8 @@ struct Window::Parts {
     std::vector<Event> events{};
     std::vector<std::string> gl_errors{};
     std::string glfw_error{};
+    /// As the last event had it: where the mouse is by now is not where it was when a button went down.
+    glm::dvec2 cursor{0.0};
     bool has_widgets = false;
 
     ~Parts() {
@@ -37,7 +39,7 @@ struct Window::Parts {
         Event e{.kind = kind};
         e.shift = (mods & GLFW_MOD_SHIFT) != 0;
         e.control = (mods & GLFW_MOD_CONTROL) != 0;
-        glfwGetCursorPos(window, &e.at.x, &e.at.y);
+        e.at = cursor;
         return e;
     }
 };
@@ -90,6 +92,7 @@ Window::Window(glm::ivec2 size, const std::string& title) : parts_(std::make_uni
         parts(w)->events.push_back(e);
     });
     glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+        parts(w)->cursor = {x, y};
         parts(w)->events.push_back({.kind = Event::Kind::move, .at = {x, y}});
     });
     glfwSetScrollCallback(window, [](GLFWwindow* w, double, double steps) {
@@ -165,9 +168,7 @@ std::vector<Event> Window::events() {
 }
 
 glm::dvec2 Window::cursor() const {
-    glm::dvec2 at;
-    glfwGetCursorPos(parts_->window, &at.x, &at.y);
-    return at;
+    return parts_->cursor;
 }
 
 void Window::end_frame() {

@@ -51,7 +51,8 @@ LocalView Onlooker::outer_view(float reach) const {
 }
 
 /// As strips that face the viewer, a pixel and a half wide.
-void Onlooker::draw_lines(const LocalView& view, std::span<const Segment> segments, Rgba8 color) {
+std::optional<std::uint32_t> Onlooker::draw_lines(const LocalView& view, std::span<const Segment> segments,
+                                                  Rgba8 color) {
     std::vector<VertexColoredTriangle> strips;
     for (const Segment& s : segments) {
         const glm::vec3 along = s[1] - s[0];
@@ -64,14 +65,14 @@ void Onlooker::draw_lines(const LocalView& view, std::span<const Segment> segmen
         strips.push_back({{s[0] - a, s[0] + a, s[1] + b}, {color, color, color}});
         strips.push_back({{s[0] - a, s[1] + b, s[1] - b}, {color, color, color}});
     }
-    if (strips.empty()) return;
+    if (strips.empty()) return std::nullopt;
     const auto count = std::uint32_t(strips.size());
     const Source<VertexColoredTriangle> source{strips, {}, count};
     const std::uint32_t id = renderer_->upload(AnySource(source));
     renderer_->set_view(view);
     const Range all{0, count};
     renderer_->draw(id, std::span(&all, 1));
-    renderer_->release(id);
+    return id;
 }
 
 const Image* Onlooker::from_outside(const LocalView* from) {
@@ -110,9 +111,12 @@ const Image* Onlooker::from_outside(const LocalView* from) {
         frustum.push_back({own.eye, ends[i]});
         frustum.push_back({ends[i], ends[(i + 1) % 4]});
     }
-    draw_lines(view, images, {220, 30, 30, 255});
-    draw_lines(view, frustum, {20, 150, 50, 255});
+    const auto red = draw_lines(view, images, {220, 30, 30, 255}),
+               green = draw_lines(view, frustum, {20, 150, 50, 255});
     renderer_->end_frame();
+    for (const auto& id : {red, green}) {
+        if (id) renderer_->release(*id);
+    }
     return &renderer_->image();
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -102,7 +103,8 @@ class Onlooker final : public AnyRenderer {
     /// there are none.
     float reach() const;
     LocalView outer_view(float reach) const;
-    void draw_lines(const LocalView& view, std::span<const Segment> segments, Rgba8 color);
+    /// The source that they are drawn from, which is kept until the frame ends; none where there are no lines.
+    std::optional<std::uint32_t> draw_lines(const LocalView& view, std::span<const Segment> segments, Rgba8 color);
 
     std::unique_ptr<AnyRenderer> renderer_;
     LocalView outermost_{View{}, {}, 1}, local_ = outermost_;
