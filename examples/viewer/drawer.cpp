@@ -107,7 +107,7 @@ class Drawer::Easel {
         out.exact = farfield::report::over_background(viewer.image(), order.background);
         if (!order.difference || !order.variant) return true;
         if (order.side == 1 && drawer_.is_stale()) return false;
-        Compared compared = compare(out.variant, out.exact, *order.difference);
+        Compared compared = compare(tinted_ ? untinted_ : out.variant, out.exact, *order.difference);
         out.difference = std::move(compared.picture);
         out.flip = compared.flip;
         out.rmse = compared.rmse;
@@ -130,6 +130,7 @@ class Drawer::Easel {
 
     const Image& variant_image(SceneViewer& viewer, const Order& order, Drawn& out) {
         const auto begin = Clock::now();
+        tinted_ = false;
         if (order.frozen) return image_from_outside(viewer, order, out);
         if (order.budget_ms && variant_.prices) {
             out.stats = viewer.frame_within(
@@ -139,6 +140,8 @@ class Drawer::Easel {
         }
         out.variant_ms = ms_since(begin);
         if (!order.tints_levels) return viewer.image();
+        tinted_ = true;
+        if (order.difference) untinted_ = farfield::report::over_background(viewer.image(), order.background);
         image_ = viewer.how_drawn(order.view);
         return image_;
     }
@@ -166,6 +169,8 @@ class Drawer::Easel {
     Kept variant_, exact_;
     FrameStats frozen_stats_;
     Image image_;
+    bool tinted_ = false;
+    Image untinted_;  ///< what exact is compared with where levels are tinted
 };
 
 Drawer::Drawer(std::function<void()> wake) : wake_(std::move(wake)), thread_([this] { work(); }) {}

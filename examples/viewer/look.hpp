@@ -18,9 +18,8 @@ struct Look {
     farfield::scenes::RendererKind renderer = farfield::scenes::RendererKind::z_buffer;
     int samples = 1;  ///< a pixel
     int threads = 1;
-    float tolerance_px = 1;
-    /// Then a frame is seldom slower than an exact one.
-    Wanted wanted = Wanted::point_sampling;
+    float tolerance_px = 4;
+    Wanted wanted = Wanted::any;
     float wanted_rmse = 0.05f;
     bool has_budget = false;
     float budget_ms = 30;
