@@ -117,9 +117,9 @@ TEST_CASE("keys switch what is shown, and switch it back") {
     desk.key('Z');
     CHECK_FALSE(desk.look.frozen);
     desk.key('[');
-    CHECK(desk.look.tolerance_px == 0.5f);
+    CHECK(desk.look.tolerance_px == 2.0f);
     desk.key(']');
-    CHECK(desk.look.tolerance_px == 1.0f);
+    CHECK(desk.look.tolerance_px == 4.0f);
     CHECK(desk.controls.handle({.kind = Event::Kind::key_down, .key = Key::escape})->kind == Request::Kind::quit);
     CHECK(desk.key('S', true)->kind == Request::Kind::screenshot);
     CHECK_FALSE(desk.controls.is_moving());  // ctrl+S does not walk
