@@ -161,6 +161,29 @@ TEST_CASE("a frozen camera shows the same picture, and a tolerance of 0 every pr
     CHECK(picture(h, triangles, exact, 1) == plain_picture(std::span<const Triangle>(triangles), exact));
 }
 
+TEST_CASE("cells are finer where their samples are drawn, and nowhere else", "[approximation]") {
+    const Triangles triangles = leaves();
+    const Tensors h = build<Tensors>(triangles);
+    const View view = looking({30, 4, 3}, {}, 96, 1);
+    LocalView local(view, h.origin(), h.bounds());
+    const auto error = [&](float splat_limit_px) {
+        local.splat_limit_px = splat_limit_px;
+        return h.approximation_policy().error_px(h.stand_ins()[0], h.root_cell(), local);
+    };
+    CHECK(error(0.25f) == 1.5f * error(2));
+    CHECK(error(0) == error(0.25f));
+    local.tolerance_px = 3;
+    CHECK(error(0.25f) == error(2));
+    const auto stops = [&](int samples) {
+        ZBufferRenderer renderer({.samples = samples});
+        const FrameStats stats = make_viewer(h, triangles, renderer).frame(view);
+        double depth = 0;
+        for (int i = 0; i < FrameStats::max_levels; ++i) depth += i * double(stats.approximations_by_level[i]);
+        return depth / double(std::max<std::uint64_t>(stats.approximations, 1));
+    };
+    CHECK(stops(1) < stops(64));
+}
+
 TEST_CASE("sample sets whose options make no sense are refused by name", "[approximation]") {
     CHECK(std::string(SampleSet<>{.c = 0}.wrong_option()) == "SampleSet: c must lie above 0 and at most at 1000");
     CHECK(SampleSet<>{.c = NAN}.wrong_option() != nullptr);

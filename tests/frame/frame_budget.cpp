@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 #include <limits>
 #include <tuple>
 #include <vector>
@@ -12,6 +15,7 @@
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
+#include "farfield/approximation/sample_set.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
@@ -20,6 +24,7 @@
 #include "farfield/partition/octree.hpp"
 #include "farfield/primitive/instance.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/view/local_view.hpp"
 #include "farfield/viewer.hpp"
 #include "support/pictures.hpp"
 #include "support/scenes.hpp"
@@ -32,10 +37,11 @@ namespace {
 
 template <class A>
 using Over = SpatialHierarchy<Octree, A, TriangleCount>;
-using Hierarchies = std::tuple<Over<Exact>, Over<ColorCube>, Over<ColorCubeCluster<4>>, Over<OpacityTensor>,
-                               SpatialHierarchy<SharedOctree, ColorCube, TriangleCount>,
-                               SpatialHierarchy<GapBsp, ColorCube, MeasuredTime>,
-                               SpatialHierarchy<ClippedGapBsp, Exact, TriangleCount>>;
+using Hierarchies =
+    std::tuple<Over<Exact>, Over<ColorCube>, Over<ColorCubeCluster<4>>, Over<OpacityTensor>, Over<SampleSet<AreaSplat>>,
+               Over<SampleSet<OpacityTensor>>, SpatialHierarchy<SharedOctree, ColorCube, TriangleCount>,
+               SpatialHierarchy<GapBsp, ColorCube, MeasuredTime>,
+               SpatialHierarchy<ClippedGapBsp, Exact, TriangleCount>>;
 
 std::vector<View> views(float tolerance) {
     return {looking({3, 1.2, 2.2}, {}, 96, tolerance), looking({0.4, 0.3, 0.9}, {-1, 0, 0.2}, 96, tolerance),
@@ -240,6 +246,40 @@ TEST_CASE("something is seen from inside, however small the budget") {
         for (const Rgba8 c : renderer.image().pixels()) covered += c.a != 0;
         CHECK(covered > 64 * 64 / 8);
     }
+}
+
+TEST_CASE("a face beside the eye covers what is seen of it") {
+    Random random(187);
+    int partly_seen = 0;
+    for (int i = 0; i < 400; ++i) {
+        View view = looking(glm::dvec3(random.in_cube(1)), glm::dvec3(random.in_cube(1)), 64, 1);
+        if (i % 4 == 0) view = looking_orthographic(glm::dvec3(random.in_cube(1)), glm::dvec3(3, 1, 2), 1, 64, 1);
+        const LocalView local(view, glm::dvec3(0), 4.0f);
+        const auto axis = std::uint8_t(i % 3);
+        const glm::vec3 a(random.in_cube(1)), b(random.in_cube(1));
+        Face face{glm::min(a, b), glm::max(a, b), {255, 255, 255, 255}, std::uint8_t(2 * axis)};
+        face.upper[axis] = face.lower[axis];
+        // Through the middles of pixels.
+        int seen = 0;
+        for (int y = 0; y < 64; ++y) {
+            for (int x = 0; x < 64; ++x) {
+                const glm::vec3 aside =
+                    (local.right * (float(x) - 31.5f) + local.up * (float(y) - 31.5f)) / local.focal_px;
+                const glm::vec3 from = local.is_perspective ? local.eye : local.eye + aside;
+                const glm::vec3 way = local.is_perspective ? local.forward + aside : local.forward;
+                const float t = (face.lower[axis] - from[axis]) / way[axis];
+                if (!(t > local.near_depth)) continue;
+                glm::vec3 hit = from + t * way;
+                hit[axis] = face.lower[axis];
+                seen +=
+                    glm::all(glm::greaterThanEqual(hit, face.lower)) && glm::all(glm::lessThanEqual(hit, face.upper));
+            }
+        }
+        partly_seen += seen > 100 && seen < 4000;
+        INFO("face " << i);
+        CHECK(std::abs(detail::seen_px(local, face) - float(seen)) <= 0.02f * float(seen) + 40);
+    }
+    CHECK(partly_seen > 40);
 }
 
 TEST_CASE("budgets that are none are refused") {

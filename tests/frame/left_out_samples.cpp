@@ -13,6 +13,7 @@
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/measure/coverage_error.hpp"
+#include "farfield/measure/image_error.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
@@ -103,4 +104,44 @@ TEST_CASE("samples are kept where they are finer than the picture's samples, and
     const std::uint64_t all_errors = primitives(1);
     view.wanted = {.rmse = 10.0};
     CHECK(primitives(1) >= all_errors);
+}
+
+TEST_CASE("where stand-ins fade, samples come back with what is opened below them", "[frame]") {
+    Triangles triangles = wall();
+    append(triangles, random_triangles(20000, 33, 0.02f));
+    const Tensors h = build<Tensors>(triangles);
+    ZBufferRenderer renderer({.samples = 16}), exact_renderer({.samples = 64});
+    auto viewer = make_viewer(h, triangles, renderer), exact = make_viewer(h, triangles, exact_renderer);
+    std::uint64_t with_samples = 0, without = 0;
+    double hard = 0, soft = 0;
+    for (int i = 0; i < 200; ++i) {
+        const double distance = 14 * std::pow(8, i / 200.0);
+        View view = looking({distance, 0.3 * distance, 0.1 * distance}, {}, 128, 2);
+        const auto change = [&] {
+            viewer.frame(view);
+            const Image now = renderer.image();
+            View last = view;
+            last.tolerance_px /= float(std::pow(8, 1 / 200.0));
+            viewer.frame(last);
+            return std::sqrt(mse(renderer.image(), now));
+        };
+        hard = std::max(hard, change());
+        view.fade = 0.5f;
+        soft = std::max(soft, change());
+        without += viewer.frame(view).primitives;
+        const Image faded = renderer.image();
+        View kept = view;
+        kept.wanted = {.rmse = 10.0};  // which keeps samples
+        with_samples += viewer.frame(kept).primitives;
+        if (i % 20 != 0) continue;
+        view.tolerance_px = 0;
+        exact.frame(view);
+        INFO("from " << distance);
+        // A fade covers a little more than a cut does, whatever it draws.
+        const Image& truth = exact_renderer.image();
+        CHECK(std::abs(coverage_error(faded, truth).bias - coverage_error(renderer.image(), truth).bias) < 0.005);
+    }
+    INFO(soft << " of " << hard << ", " << without << " triangles of " << with_samples);
+    CHECK(without < with_samples);
+    CHECK(soft < 0.4 * hard);
 }

@@ -382,11 +382,14 @@ TEST_CASE("Thresholds of cells stay with them, wherever their pages come to lie"
     const Scene& scene = mixed_scene();
     View v = view_at(1, 2, 96);
     v.tolerance_jitter = 1;
-    const Image expected = waiting_picture(opened(scene.bytes), v);
-    auto pages = opened(scene.bytes);
-    waiting_picture(pages, view_on_walk(0));  // other pages are there first
-    waiting_picture(pages, view_on_walk(30));
-    CHECK(waiting_picture(pages, v) == expected);
+    for (const float fade : {0.0f, 0.7f}) {
+        v.fade = fade;
+        const Image expected = waiting_picture(opened(scene.bytes), v);
+        auto pages = opened(scene.bytes);
+        waiting_picture(pages, view_on_walk(0));  // other pages are there first
+        waiting_picture(pages, view_on_walk(30));
+        CHECK(waiting_picture(pages, v) == expected);
+    }
 }
 
 TEST_CASE("While pages are missing there is something coarser in their place, and never a hole") {

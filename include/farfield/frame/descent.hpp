@@ -475,13 +475,15 @@ class Descent {
         if (first != end) sink_.run(v, subtree, first, end, law);
     }
 
-    /// Primitives come one by one as what they replace fades, each where its place in the hierarchy says, so that more
-    /// of them are more of the same.
+    /// Primitives come one by one as what they replace fades, each where its place in the hierarchy says, or in the
+    /// file where pages have no place of their own, so that more of them are more of the same.
     template <class V>
     void add_part_of_run(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
         std::uint32_t begin = first;
         for (std::uint32_t at = first; at < end; ++at) {
-            const float when = (float(mixed(mixed(v.path, 0x66616465), at) >> 40) + 0.5f) * 0x1p-24f;
+            std::uint64_t name = at;
+            if constexpr (PagedAtRunTime<typename V::hierarchy_type>) name = v.hierarchy.name_of_item(at);
+            const float when = (float(mixed(mixed(v.path, 0x66616465), name) >> 40) + 0.5f) * 0x1p-24f;
             if (when < weight_ && is_new(v, at)) continue;
             if (begin != at) sink_.run(v, subtree, begin, at, law);
             begin = at + 1;

@@ -118,6 +118,11 @@ class PagedHierarchy {
         return std::uint32_t(detail::mixed(header_at(at - in_page).number, std::uint64_t(in_page)));
     }
 
+    std::uint64_t name_of_item(std::uint32_t position) const {
+        const std::size_t at = std::size_t(position) * sizeof(primitive_type), in_page = at % page_bytes();
+        return detail::mixed(header_at(at - in_page).number, std::uint64_t(in_page));
+    }
+
     /// The root, which is always there: its own stand-in is not needed.
     Subtree whole() const {
         Subtree s;
