@@ -146,7 +146,7 @@ TEST_CASE("whatever a frame may make, a viewer that stands still soon makes no m
             Walk<> walk({.least_items = 64, .most_making = making, .most_overhead = overhead});
             const View view = seen_from({0.1, 0, 0});
             walk.frame(seen_from({0, 0, 0}));
-            for (int i = 0; i < 30; ++i) walk.frame(view);
+            for (int i = 0; i < 100; ++i) walk.frame(view);
             const Image image = walk.image();
             for (int i = 0; i < 5; ++i) {
                 CHECK(walk.frame(view).images_made == 0);
@@ -274,7 +274,7 @@ TEST_CASE("a frame makes no more images than it may", "[image_cache]") {
     Walk<> walk({.least_items = 64, .most_made = 3});
     const View view = seen_from({0, 0, 0});
     std::uint64_t made = 0;
-    for (int f = 0; f < 12; ++f) {
+    for (int f = 0; f < 60; ++f) {
         const FrameStats stats = walk.frame(view);
         CHECK(stats.images_made <= 3);
         made += stats.images_made;
@@ -292,9 +292,12 @@ TEST_CASE("where a renderer fails to make an image, geometry is drawn", "[image_
     CHECK(stats.images == 0);
     CHECK(stats.images_made == 0);
     CHECK(walk.image() == walk.exact(view));
+    // Cells below are asked for in its place, one level in a frame, and then none for a while.
+    for (int f = 0; f < 12; ++f) walk.frame(view);
     const int asked = walk.renderer.asked;
-    walk.frame(view);
-    CHECK(walk.renderer.asked == asked);  // not in every frame
+    for (int f = 0; f < 40; ++f) walk.frame(view);
+    CHECK(walk.renderer.asked == asked);
+    CHECK(walk.image() == walk.exact(view));
 }
 
 TEST_CASE("two viewers on two threads draw what each draws alone", "[image_cache]") {
@@ -319,8 +322,9 @@ TEST_CASE("two viewers on two threads draw what each draws alone", "[image_cache
 }
 
 TEST_CASE("a known path makes images that serve along it", "[image_cache]") {
-    // The last motion leads away; what comes is known to stay.
-    Walk<> guesses, knows;
+    // The last motion leads away; what comes is known to stay. Parts of balls live through either.
+    const ImageCacheOptions of_balls{.least_items = 500};
+    Walk<> guesses(of_balls), knows(of_balls);
     std::uint64_t guessed = 0, known = 0;
     std::vector<glm::dvec3> stays(64, {20, 0, 0});
     for (int f = 0; f < 2; ++f) {
@@ -478,18 +482,19 @@ TEST_CASE("bounds of the motion decide how long an image lives", "[image_cache]"
 
 TEST_CASE("images serve orthographic views, from wherever they look along one direction", "[image_cache]") {
     Walk<> walk;
-    std::uint64_t made = 0;
+    std::uint64_t made = 0, drawn = 0;
     for (int f = 0; f < 20; ++f) {
         View view = seen_from({0, 0, 0});
         const double x = 0.25 * f;
         view.camera = Camera::orthographic({x, 0, 0}, {x, 0, -50}, {0, 1, 0}, 20);
         const FrameStats stats = walk.frame(view);
         if (f > 0) made += stats.images_made;
+        drawn += stats.images;
         CHECK(stats.images > 0);
         CHECK(difference(walk.image(), walk.exact(view)) < 25.0);
         if (f == 0) CHECK(difference(walk.image(), walk.exact(view)) < 1.0);
     }
-    CHECK(made <= 24);  // what came into the picture
+    CHECK(10 * made <= drawn);  // what came into the picture
 }
 
 TEST_CASE("conservative images displace nothing by more than the threshold", "[image_cache]") {
