@@ -463,7 +463,7 @@ TEST_CASE("caches smaller than a walk needs, over a server: never a hole, no fra
     using H = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
     const auto triangles = test::mixed_triangles(20'000, 7);
     const auto bytes = paged<H, Triangle>(build<H>(triangles), triangles, {.page_bytes = 4096});
-    const HttpServer server(file({std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())}));
+    const HttpServer server(file({std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())}));
     const auto open = [&](std::size_t most_bytes) {
         return open_pages_of<H, Triangle>(std::make_shared<HttpPageSource>(server.url(), patient), "server",
                                           {.most_bytes = most_bytes, .loads_in_background = false});
