@@ -459,6 +459,58 @@ TEST_CASE("pages on a server are drawn as those in memory, coarser while it is a
     CHECK(waiting_renderer.image() == renderer.image());
 }
 
+TEST_CASE("caches smaller than a walk needs, over a server: never a hole, no frame that waits, errors that fall") {
+    using H = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
+    const auto triangles = test::mixed_triangles(20'000, 7);
+    const auto bytes = paged<H, Triangle>(build<H>(triangles), triangles, {.page_bytes = 4096});
+    const HttpServer server(file({std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())}));
+    const auto open = [&](std::size_t most_bytes) {
+        return open_pages_of<H, Triangle>(std::make_shared<HttpPageSource>(server.url(), patient), "server",
+                                          {.most_bytes = most_bytes, .loads_in_background = false});
+    };
+    constexpr int frames = 600;
+    const auto view = [](int i) {
+        const double t = 0.002 * i;
+        return test::looking(glm::dvec3(1.5 - t, 0.3, 1.2 - 0.3 * t), glm::dvec3(0.2 - t, 0, 0), 48, 2);
+    };
+    auto all = open(std::size_t(64) << 20);
+    all.wait_for_pages(true);
+    ZBufferRenderer renderer, limited_renderer;
+    auto whole = make_viewer(all, renderer);
+    std::vector<Image> truth;
+    for (int i = 0; i < frames; ++i) {
+        whole.frame(view(i));
+        truth.push_back(renderer.image());
+    }
+    const std::size_t working_set = all.cache_stats().resident * all.page_bytes();
+    double last = std::numeric_limits<double>::infinity();
+    for (const double part : {0.05, 0.1, 0.25, 0.5, 1.0}) {
+        // The tables of a cache and the first two pages are not part of it.
+        const auto pages = open(std::size_t(part * double(working_set)) + 3 * all.page_bytes() + 24 * all.page_count());
+        auto paged_copy = pages;
+        auto viewer = make_viewer(pages, limited_renderer);
+        double squares = 0;
+        int holes = 0;
+        for (int i = 0; i < frames; ++i) {
+            const std::uint64_t loads = pages.cache_stats().loads;
+            viewer.frame(view(i));
+            CHECK(pages.cache_stats().loads == loads);  // it did not wait for any
+            const auto seen = limited_renderer.image().pixels();
+            const std::span<const Rgba8> wanted = truth[std::size_t(i)].pixels();
+            for (std::size_t p = 0; p < seen.size(); ++p) {
+                const double d = (double(seen[p].g) - double(wanted[p].g)) / 255;
+                squares += d * d;
+                holes += seen[p].a == 0 && wanted[p].a == 255;
+            }
+            paged_copy.load_wanted();
+        }
+        INFO(part << ": " << squares << " after " << last << ", holes " << holes);
+        CHECK(holes <= frames / 20);  // the border of what is drawn coarser is not that of what is not
+        CHECK(squares <= 1.02 * last);
+        last = squares;
+    }
+}
+
 TEST_CASE("a first field that begins with a blank hurts no later answer") {
     HttpServer server(file());
     HttpPageSource source(server.url(), patient);

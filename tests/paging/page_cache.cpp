@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <map>
@@ -372,6 +373,70 @@ TEST_CASE("A frame that waits has what it asks for, as long as there is room") {
             user.end_frame();
             for (int i = 0; i < 61; ++i) frame(p, user, {});  // so that none is held
         }
+    }
+}
+
+TEST_CASE("A frame that waits gets the room that another one's frame holds, when that ends") {
+    Pages p(60, {.most_bytes = 4 * page_bytes + 2000, .loads_in_background = false, .first_retry = 1ms});
+    PageCache::User a(p.cache), b(p.cache);
+    frame(p, a, range(1, 20));
+    p.cache->load_wanted();
+    a.begin_frame();
+    for (std::uint32_t i = 0; i < 60; ++i) a.find(i, 1);
+    std::atomic<bool> is_done{false};
+    std::thread other([&] {
+        b.begin_frame();
+        const std::uint32_t slot = b.find_or_wait(50, 9);
+        is_done = slot != PageSlots::none && is_full_of(p.memory_of(slot), 50);
+        b.end_frame();
+    });
+    std::this_thread::sleep_for(30ms);
+    CHECK_FALSE(is_done);
+    a.end_frame();
+    other.join();
+    CHECK(is_done);
+}
+
+TEST_CASE("Two frames that wait at once do not wait for each other") {
+    Pages p(60, {.most_bytes = 4 * page_bytes + 2000, .loads_in_background = false, .first_retry = 1ms});
+    std::vector<std::thread> threads;
+    for (std::uint32_t t = 0; t < 3; ++t) {
+        threads.emplace_back([&, t] {
+            PageCache::User user(p.cache);
+            for (std::uint32_t round = 0; round < 50; ++round) {
+                user.begin_frame();
+                for (std::uint32_t i = 0; i < 8; ++i) {
+                    const std::uint32_t page = (13 * t + 7 * round + i) % 60;
+                    const std::uint32_t slot = user.find_or_wait(page, float(1 + i));
+                    if (slot != PageSlots::none && !is_full_of(p.memory_of(slot), page)) std::abort();
+                }
+                user.end_frame();
+            }
+        });
+    }
+    for (std::thread& t : threads) t.join();
+    CHECK(p.cache->stats().loads > 20);
+}
+
+TEST_CASE("Of what is only expected some pages are read each frame") {
+    Pages p(600, by_hand());
+    PageCache::User user(p.cache);
+    user.begin_frame();
+    for (std::uint32_t i = 1; i < 200; ++i) user.expect(i, float(i));
+    for (std::uint32_t i = 300; i < 320; ++i) user.find(i, 2);
+    user.end_frame();
+    CHECK(p.cache->load_wanted() == 28);
+}
+
+TEST_CASE("A frame enters what is in a page twice as often as it is there, and no more") {
+    Pages p(10, by_hand());
+    PageCache::User user(p.cache);
+    for (int i = 0; i < 3; ++i) {
+        user.begin_frame();
+        for (int n = 0; n < 10; ++n) CHECK(user.may_enter(3, 5));
+        CHECK_FALSE(user.may_enter(3, 5));
+        CHECK(user.may_enter(4, 1));
+        user.end_frame();
     }
 }
 

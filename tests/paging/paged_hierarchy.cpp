@@ -558,3 +558,69 @@ TEST_CASE("A source that fails gives coarser pictures, and whole ones when it re
     while (viewer.frame(v).cells_missing != 0 && ++frames < 10000) std::this_thread::sleep_for(1ms);
     CHECK(renderer.image() == expected);
 }
+
+TEST_CASE("Whoever moves on finds pages there that he would otherwise miss") {
+    const Scene& scene = mixed_scene();
+    // All that a frame has asked for is there before the next one.
+    const auto missing_on_walk = [&](bool knows_motion) {
+        auto pages = opened(scene.bytes);
+        ZBufferRenderer renderer;
+        auto viewer = make_viewer(pages, renderer);
+        std::uint64_t missing = 0;
+        for (int step = 0; step < 40; ++step) {
+            const View view = view_on_walk(step);
+            if (knows_motion) {
+                missing += viewer.frame(view).cells_missing * (step > 6);
+            } else {
+                auto stranger = make_viewer(pages, renderer);
+                missing += stranger.frame(view).cells_missing * (step > 6);
+            }
+            while (pages.load_wanted() != 0) viewer.frame(view);
+        }
+        return missing;
+    };
+    const std::uint64_t with = missing_on_walk(true), without = missing_on_walk(false);
+    INFO(with << " " << without);
+    CHECK(with < without / 2);
+}
+
+TEST_CASE("A forged file that leads to the same contents by many ways takes no longer than one that does not") {
+    const Scene scene(random_triangles(30000, 6), 8192);
+    const detail::PageFileHeader h = scene.header();
+    Bytes bytes = scene.bytes;
+    // Every node elsewhere is the first one of its page that is: as many ways as there were nodes, for each of the few
+    // that are left.
+    for (std::uint32_t number = 0; number < h.page_count; ++number) {
+        const auto page =
+            std::span(bytes).subspan(std::size_t(h.first_page) + std::size_t(number) * h.page_bytes, h.page_bytes);
+        detail::PageHeader header;
+        std::memcpy(&header, page.data(), sizeof header);
+        Node first;
+        for (std::uint32_t n = 0; n < header.node_count; ++n) {
+            std::byte* const at = page.data() + sizeof header + n * sizeof(Node);
+            Node node;
+            std::memcpy(&node, at, sizeof node);
+            if (!detail::is_portal(node)) continue;
+            // What lies in the same page comes behind; that is for pages of several levels.
+            if (node.first_child == 1) continue;
+            if (first.first_child == 0) first = node;
+            node.first_child = first.first_child;
+            node.first_child_data = first.first_child_data;
+            std::memcpy(at, &node, sizeof node);
+        }
+        detail::renumber_page(page, number);
+    }
+    auto pages = opened(bytes);
+    pages.wait_for_pages(true);
+    ZBufferRenderer renderer;
+    auto viewer = make_viewer(pages, renderer);
+    const FrameStats stats = viewer.frame(view_at(2, 0));
+    CHECK(stats.cells_missing > 0);
+    std::uint64_t nodes = 0;
+    for (std::uint32_t number = 0; number < h.page_count; ++number) {
+        detail::PageHeader header;
+        std::memcpy(&header, bytes.data() + h.first_page + std::size_t(number) * h.page_bytes, sizeof header);
+        nodes += header.node_count;
+    }
+    CHECK(stats.cells_visited <= 2 * nodes);
+}

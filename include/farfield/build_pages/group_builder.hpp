@@ -18,6 +18,7 @@
 #include "farfield/build_pages/page_share.hpp"
 #include "farfield/build_pages/scattered_file.hpp"
 #include "farfield/build_pages/top_tree.hpp"
+#include "farfield/composition.hpp"
 #include "farfield/executor.hpp"
 #include "farfield/geometry/box.hpp"
 #include "farfield/paging/page_forest.hpp"
@@ -108,8 +109,8 @@ class GroupBuilder {
         part_of.reserve(mixed_up.size());
         std::vector<std::size_t> next(nodes.size() + 1);
         for (const P& p : mixed_up) {
-            part_of.push_back(tree.nodes()[tree.node_of(build_.options.build.partition, item_of(p, 0))].part -
-                              first_part);
+            const Item item{local_bounds(p, build_.plan.facts.origin), 0, 0};
+            part_of.push_back(tree.nodes()[tree.node_of(build_.options.build.partition, item)].part - first_part);
             ++next[part_of.back() + std::size_t(1)];
         }
         for (std::size_t i = 1; i < next.size(); ++i) next[i] += next[i - 1];

@@ -34,8 +34,8 @@ class Motion {
         const glm::vec3 forward = now.forward + frames * (now.forward - before->forward);
         const glm::vec3 up = now.up + frames * (now.up - before->up);
         const float length = glm::length(forward);
-        // More than 60 degrees: whoever looks around so fast stops before.
-        if (!(length > 0) || !(glm::dot(forward, now.forward) > 0.5f * length)) return std::nullopt;
+        // More than 11 degrees a frame: whoever looks around so fast stops before.
+        if (!(length > 0) || !(glm::dot(before->forward, now.forward) > 0.98f)) return std::nullopt;
         there.camera.forward = forward / length;
         const glm::vec3 right = glm::cross(there.camera.forward, up);
         const float width = glm::length(right);
