@@ -22,10 +22,17 @@ Json json_of(const std::optional<CoverageCells>& c) {
             {"cells_a_pixel", {{"tiling", c->tiling}, {"asking", c->asking}}}};
 }
 
-Json json_of(const farfield::ErrorTable& table) {
+/// Costs are in parts of exact's at the fewest samples.
+Json json_of(const farfield::SampledErrorTable& table) {
     Json trials = Json::array();
-    for (const farfield::ToleranceTrial& t : table.trials()) {
-        trials.push_back({{"tolerance_px", t.tolerance_px}, {"rmse", t.rmse}, {"cost", t.cost}});
+    for (const farfield::ErrorsAtSamples& at : table.tables()) {
+        const double exact = at.exact_cost / table.tables().front().exact_cost;
+        for (const farfield::ToleranceTrial& t : at.table.trials()) {
+            trials.push_back({{"samples", at.samples},
+                              {"tolerance_px", t.tolerance_px},
+                              {"rmse", t.rmse},
+                              {"cost", t.cost * exact}});
+        }
     }
     return trials;
 }
@@ -43,6 +50,7 @@ Json json_of(const Result& r, const Options& options) {
     return {{"name", r.name},
             {"renderer", name_of(r.renderer)},
             {"tolerance_px", r.choice ? r.choice->tolerance.trial.tolerance_px : options.tolerance_px},
+            {"samples", r.choice ? r.choice->samples : options.samples},
             {"asks_wanted", r.choice && r.choice->asks_wanted},
             {"budget_ms", options.budget_ms ? Json(*options.budget_ms) : Json(nullptr)},
             {"error_table", r.measured ? json_of(r.measured->by_tolerance) : Json(nullptr)},

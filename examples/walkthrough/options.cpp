@@ -120,6 +120,18 @@ RendererKind parse_renderer(std::string_view name) {
     throw UsageError("no renderer " + in_quotes(name) + "; --list shows those that there are");
 }
 
+void parse_samples(std::string_view text, Options& options) {
+    if (text == "auto") {
+        options.more_samples = options.renderer == RendererKind::coverage ? std::vector{64} : std::vector{4, 16};
+        return;
+    }
+    const char* const end = text.data() + text.size();
+    const auto number = std::from_chars(text.data(), end, options.samples);
+    if (number.ec != std::errc() || number.ptr != end) {
+        throw UsageError("--samples must be a number or auto, not " + in_quotes(text));
+    }
+}
+
 std::optional<farfield::WantedError> parse_error(const std::string& text) {
     if (text == "none") return std::nullopt;
     if (text == "point-sampling") return farfield::WantedError{};
@@ -171,7 +183,7 @@ void check_numbers(const Options& options) {
 std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer) {
     Options options;
     std::string variant_names = "color-cube", renderer = "z-buffer", wanted_error = "point-sampling", up, size, out,
-                json, tables, path;
+                json, tables, path, samples = "1";
     double budget_ms = 0, distance = 0;
     bool wants_list = false;
 
@@ -186,8 +198,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
         ->type_name("NAME[,NAME...]");
     app.add_option("--renderer", renderer, "what draws: z-buffer, coverage, hierarchical-z, painter or opengl")
         ->type_name("NAME");
-    app.add_option("--samples", options.samples,
-                   "samples a pixel of what is timed: a square up to 64, of coverage 1 or 64")
+    app.add_option("--samples", samples,
+                   "samples a pixel of what is timed: a square up to 64, of coverage 1 or 64; auto: exact 1, and of "
+                   "variants what is cheapest at --error")
         ->type_name("N");
     app.add_option("--threads", options.threads, "that draw a frame, in bands of its rows (default 1)")->type_name("N");
     app.add_option("--size", size, "of the images in pixels (default 640x360)")->type_name("WxH");
@@ -237,6 +250,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     options.renderer = parse_renderer(renderer);
     options.variants = parse_variants(variant_names, options.renderer);
     options.error = parse_error(wanted_error);
+    parse_samples(samples, options);
     if (tolerance_option->count() != 0) {
         if (error_option->count() != 0 && options.error) {
             throw UsageError("--tolerance says what --error would choose: give one of them");
@@ -267,6 +281,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     if (tables_option->count() != 0) {
         if (!options.error) throw UsageError("--tables keeps what --error chooses from: there is nothing to choose");
         options.table_directory = tables;
+    }
+    if (!options.more_samples.empty() && !options.error) {
+        throw UsageError("--samples auto is chosen by --error: there is nothing to choose by");
     }
     check_numbers(options);
     return options;

@@ -25,7 +25,9 @@ struct Options {
     std::vector<std::string> variants;  ///< known names, each once, exact first
     /// Of the frames that are timed. It draws all variants but exact, which the z-buffer draws where it cannot.
     farfield::scenes::RendererKind renderer = farfield::scenes::RendererKind::z_buffer;
-    int samples = 1;                            ///< a pixel, of the frames that are timed
+    int samples = 1;  ///< a pixel, of the frames that are timed
+    /// More that a variant may be drawn with where that is cheaper at the error that is wanted, ascending.
+    std::vector<int> more_samples;
     int threads = 1;                            ///< that draw a frame, exact's too
     int width = 640, height = 360;              ///< pixels
     int frames = 0;                             ///< above 0

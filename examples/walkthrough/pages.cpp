@@ -237,6 +237,7 @@ bool is_paged(const std::string& scene) {
 
 void walk_pages(std::ostream& out, const Options& options) {
     PagedResult result;
+    if (!options.more_samples.empty()) throw UsageError("--samples auto is for scenes that are not in pages");
     try {
         PagedRun run(options);
         if (is_address(options.scene)) {

@@ -6,12 +6,13 @@
 namespace walkthrough {
 
 Choice MeasuredErrors::choice_for(farfield::WantedError error) const {
-    const Choice alone{by_tolerance.tolerance_for(error), false}, both{wanted.tolerance_for(error), true};
+    error.samples = by_tolerance.fewest_samples();
+    const Choice alone{by_tolerance.cheapest_for(error), false}, both{wanted.cheapest_for(error), true};
     // A cost below exact's without the error that is wanted is worth nothing.
     if (alone.tolerance.keeps_error() != both.tolerance.keeps_error()) {
         return alone.tolerance.keeps_error() ? alone : both;
     }
-    return both.tolerance.trial.cost < alone.tolerance.trial.cost ? both : alone;
+    return both.cost < alone.cost ? both : alone;
 }
 
 double mean(const std::vector<double>& values) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "errors.hpp"
-#include "farfield/tuning/error_table.hpp"
+#include "farfield/tuning/sampled_error_table.hpp"
 #include "options.hpp"
 #include "scenes/built_scene.hpp"
 #include "setting.hpp"
@@ -29,21 +29,20 @@ struct CoverageCells {
     double asking = 0;       ///< for questions whether a box is hidden
 };
 
-/// What a frame may be asked for: a tolerance, and whether stand-ins keep to what is expected to err no more than point
-/// sampling (View::wanted).
-struct Choice {
-    farfield::ToleranceChoice tolerance;
+/// What a frame may be asked for: a tolerance and samples, and whether stand-ins keep to what is expected to err no
+/// more than point sampling (View::wanted).
+struct Choice : farfield::SampleChoice {
     bool asks_wanted = false;
 };
 
 /// Over the frames that are compared.
 struct MeasuredErrors {
-    farfield::ErrorTable by_tolerance;  ///< by the tolerance alone
-    farfield::ErrorTable wanted;        ///< and by what is expected of each cell
-    double exact_ms = 0;                ///< mean of exact's frames in this run
-    bool was_kept = false;              ///< measured by an earlier run, at least one of the two
+    farfield::SampledErrorTable by_tolerance;  ///< by the tolerance alone
+    farfield::SampledErrorTable wanted;        ///< and by what is expected of each cell
+    double exact_ms = 0;                       ///< mean of exact's frames in this run, at the fewest samples
+    bool was_kept = false;                     ///< measured by an earlier run, at least one of the two
 
-    /// Of the two the one that costs less.
+    /// Of the two the one that costs less. Point sampling is exact at the fewest samples.
     Choice choice_for(farfield::WantedError error) const;
 };
 

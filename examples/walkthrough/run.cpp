@@ -10,8 +10,8 @@
 #include "farfield/build.hpp"
 #include "farfield/measure/image_error.hpp"
 #include "farfield/measure/projected_rect.hpp"
-#include "farfield/tuning/error_table.hpp"
 #include "farfield/tuning/error_table_file.hpp"
+#include "farfield/tuning/sampled_error_table.hpp"
 #include "plain_loop.hpp"
 #include "report/picture.hpp"
 #include "report/progress.hpp"
@@ -71,9 +71,9 @@ class Run {
     }
 
     /// Throws UsageError where what was built turns out not to be in the order that the renderer needs.
-    std::unique_ptr<SceneViewer> viewer_of(const BuiltScene& built, const Variant& variant) const {
+    std::unique_ptr<SceneViewer> viewer_of(const BuiltScene& built, const Variant& variant, int samples) const {
         try {
-            return built.viewer(renderer(options_.renderer, options_.samples));
+            return built.viewer(renderer(options_.renderer, samples));
         } catch (const std::invalid_argument& error) {
             throw UsageError("the renderer '" + std::string(name_of(options_.renderer)) + "' cannot draw '" +
                              std::string(variant.name) + "' of this scene: " + error.what());
@@ -84,6 +84,7 @@ class Run {
     struct Asked {
         float tolerance_px = 0;
         farfield::DistanceMeasure distance{};
+        int samples = 1;
         bool asks_wanted = false;
     };
     View view_of(int frame, const Asked& asked) const {
@@ -92,8 +93,8 @@ class Run {
                 .height = options_.height,
                 .tolerance_px = asked.tolerance_px,
                 .distance = asked.distance,
-                .wanted = asked.asks_wanted ? farfield::WantedError{.samples = options_.samples}
-                                            : farfield::WantedError::any()};
+                .wanted =
+                    asked.asks_wanted ? farfield::WantedError{.samples = asked.samples} : farfield::WantedError::any()};
     }
     View exact_view_of(int frame) const { return view_of(frame, {}); }
 
@@ -119,17 +120,23 @@ class Run {
         result.name = variant.name;
         progress_.begin("building " + result.name);
         std::unique_ptr<BuiltScene> built = variant.build(setting_.scene);
-        std::unique_ptr<SceneViewer> own = viewer_of(*built, variant);
+        std::unique_ptr<SceneViewer> own = viewer_of(*built, variant, options_.samples);
         result.build = built->facts();
-        Asked asked{options_.tolerance_px, variant.distance};
+        Asked asked{options_.tolerance_px, variant.distance, options_.samples};
         if (options_.error) {
-            choose(*own, variant, result);
+            choose(*built, *own, variant, result);
             asked.tolerance_px = result.choice->tolerance.trial.tolerance_px;
+            asked.samples = result.choice->samples;
             asked.asks_wanted = result.choice->asks_wanted;
         }
         const bool draws_exact = result.choice && result.choice->tolerance.is_exact();
-        if (draws_exact) own.reset();  // it holds a copy of all triangles
-        SceneViewer& viewer = draws_exact ? *exact_viewer_ : *own;
+        const bool has_exact_viewer = draws_exact && asked.samples == options_.samples;
+        if (draws_exact || asked.samples != options_.samples) own.reset();  // it holds a copy of all triangles
+        if (!own && !has_exact_viewer) {
+            own = draws_exact ? exact_->viewer(renderer(exact_renderer_, asked.samples))
+                              : viewer_of(*built, variant, asked.samples);
+        }
+        SceneViewer& viewer = has_exact_viewer ? *exact_viewer_ : *own;
         result.renderer = draws_exact ? exact_renderer_ : options_.renderer;
         std::optional<farfield::FrameBudget> budget;
         if (options_.budget_ms) budget = budget_of(viewer, variant, asked);
@@ -193,7 +200,8 @@ class Run {
         }
         result.exact_ms = result.paired_ms = result.frame_ms;
         scale(result);
-        if (result.coverage && options_.out_directory) draw_work(*exact_, exact_renderer_, exact, {});
+        if (result.coverage && options_.out_directory)
+            draw_work(*exact_, exact_renderer_, exact, {.samples = options_.samples});
         result.plain = time_of_plain_loop();
         return result;
     }
@@ -201,53 +209,82 @@ class Run {
     /// Frames that are compared, at any tolerance; exact at 0.
     class Trials {
       public:
-        Trials(Run& run, SceneViewer& far, const Variant& variant, bool asks_wanted)
-            : run_(run), far_(far), asked_{0, variant.distance, asks_wanted}, exact_ms_(run.references_.size(), 0) {}
+        Trials(Run& run, const Variant& variant, bool asks_wanted)
+            : run_(run),
+              asked_{0, variant.distance, run.options_.samples, asks_wanted},
+              exact_ms_(run.references_.size(), 0) {}
 
-        double draw(std::size_t i, float tolerance_px) {
+        /// With so many samples each.
+        void add(int samples, SceneViewer& exact, SceneViewer& far) { viewers_.push_back({samples, exact, far}); }
+
+        double draw(std::size_t i, float tolerance_px, int samples) {
             asked_.tolerance_px = tolerance_px;
+            asked_.samples = samples;
+            const Viewers& viewers =
+                *std::find_if(viewers_.begin(), viewers_.end(), [&](const Viewers& v) { return v.samples == samples; });
             const int frame = run_.references_[i].frame;
             FrameStats stats;
-            if (!is_exact()) return timed(far_, run_.view_of(frame, asked_), stats);
+            last_ = is_exact() ? &viewers.exact : &viewers.far;
+            if (!is_exact()) return timed(viewers.far, run_.view_of(frame, asked_), stats);
+            if (!is_point_sampling()) return timed(viewers.exact, run_.exact_view_of(frame), stats);
             double ms = run_.exact_frames_[i].ms;
-            if (!run_.exact_is_slow_) ms = timed(*run_.exact_viewer_, run_.exact_view_of(frame), stats);
+            if (!run_.exact_is_slow_) ms = timed(viewers.exact, run_.exact_view_of(frame), stats);
             exact_ms_[i] = exact_ms_[i] > 0 ? std::min(exact_ms_[i], ms) : ms;
             return ms;
         }
         farfield::SquaredError error(std::size_t i) {
             run_.progress_.step();
-            if (is_exact()) return {run_.exact_frames_[i].mse, 1};
+            if (is_exact() && is_point_sampling()) return {run_.exact_frames_[i].mse, 1};
             const Reference& reference = run_.references_[i];
-            const Image picture = report::over_background(far_.image(), run_.setting_.background);
+            const Image picture = report::over_background(last_->image(), run_.setting_.background);
             return {mse(picture, reference.over_background, reference.rect), 1};
         }
-        /// Mean of the least of each frame.
+        /// Mean of the least of each frame, at the samples that exact is drawn with.
         double exact_ms() const { return mean(exact_ms_); }
 
       private:
+        struct Viewers {
+            int samples;
+            SceneViewer &exact, &far;
+        };
+
         bool is_exact() const { return asked_.tolerance_px == 0; }
+        bool is_point_sampling() const { return asked_.samples == run_.options_.samples; }
 
         Run& run_;
-        SceneViewer& far_;
         Asked asked_;
+        std::vector<Viewers> viewers_;
+        SceneViewer* last_ = nullptr;
         std::vector<double> exact_ms_;
     };
 
-    void choose(SceneViewer& viewer, const Variant& variant, Result& result) {
+    void choose(const BuiltScene& built, SceneViewer& viewer, const Variant& variant, Result& result) {
         // Coarser ones are blocks that an eye tells apart, though a mean of squares forgives them.
         const farfield::ErrorTableOptions ladder{.tolerances_px = farfield::tolerance_ladder(0.5f, 4), .seconds = 0.1};
         double exact_ms = mean_of_exact_frames();
         bool was_kept = false;
+        std::vector<int> samples{options_.samples};
+        samples.insert(samples.end(), options_.more_samples.begin(), options_.more_samples.end());
+        std::vector<std::unique_ptr<SceneViewer>> more;  // exact, variant, exact, ...: once they are needed
         const auto table = [&](bool asks_wanted) {
             const auto file = table_file(result, asks_wanted);
             if (file && std::filesystem::exists(*file)) {
                 was_kept = true;
-                return read_table(result.build.identity, *file);
+                return read_table(result.build.identity, samples, *file);
+            }
+            for (std::size_t i = more.size() / 2; i < options_.more_samples.size(); ++i) {
+                more.push_back(exact_->viewer(renderer(exact_renderer_, options_.more_samples[i])));
+                more.push_back(viewer_of(built, variant, options_.more_samples[i]));
             }
             progress_.begin("choosing the tolerance of " + result.name,
-                            int(references_.size() * (ladder.tolerances_px.size() + 1)));
-            Trials trials(*this, viewer, variant, asks_wanted);
-            farfield::ErrorTable measured = farfield::measure_error_table(trials, references_.size(), ladder);
+                            int(references_.size() * (ladder.tolerances_px.size() + 1) * samples.size()));
+            Trials trials(*this, variant, asks_wanted);
+            trials.add(options_.samples, *exact_viewer_, viewer);
+            for (std::size_t i = 0; i < options_.more_samples.size(); ++i) {
+                trials.add(options_.more_samples[i], *more[2 * i], *more[2 * i + 1]);
+            }
+            farfield::SampledErrorTable measured =
+                farfield::measure_sampled_error_table(trials, samples, references_.size(), ladder);
             exact_ms = std::min(exact_ms, trials.exact_ms());
             if (file) farfield::write_error_table(measured, result.build.identity, *file);
             return measured;
@@ -258,18 +295,25 @@ class Run {
         result.choice = result.measured->choice_for(*options_.error);
     }
 
-    /// A renderer and a number of samples have tables of their own. None where none are kept.
+    /// A renderer and a number of samples, or several to choose from, have tables of their own. None where none are
+    /// kept.
     std::optional<std::filesystem::path> table_file(const Result& result, bool asks_wanted) const {
         if (!options_.table_directory) return std::nullopt;
+        const std::string samples = options_.more_samples.empty() ? std::to_string(options_.samples) : "auto";
         return *options_.table_directory /
-               (setting_.name + "_" + result.name + "_" + std::string(name_of(options_.renderer)) + "_" +
-                std::to_string(options_.samples) + (asks_wanted ? "_wanted" : "") + ".errors");
+               (setting_.name + "_" + result.name + "_" + std::string(name_of(options_.renderer)) + "_" + samples +
+                (asks_wanted ? "_wanted" : "") + ".errors");
     }
 
-    static farfield::ErrorTable read_table(const farfield::HierarchyIdentity& identity,
-                                           const std::filesystem::path& file) {
+    static farfield::SampledErrorTable read_table(const farfield::HierarchyIdentity& identity,
+                                                  const std::vector<int>& samples, const std::filesystem::path& file) {
         try {
-            return farfield::read_error_table(identity, file);
+            farfield::SampledErrorTable table = farfield::read_error_table(identity, file);
+            const auto is_of = [](const farfield::ErrorsAtSamples& at, int count) { return at.samples == count; };
+            if (!std::equal(table.tables().begin(), table.tables().end(), samples.begin(), samples.end(), is_of)) {
+                throw UsageError(file.string() + ": it is of other numbers of samples a pixel than are drawn");
+            }
+            return table;
         } catch (const std::runtime_error& error) {
             throw UsageError(error.what());
         }
@@ -366,7 +410,7 @@ class Run {
     /// "Work images" (Greene 1996, figure 3) of the frames that are compared: by tiling polygons, by asking about
     /// cells, and their sum. Not while time is taken.
     void draw_work(const BuiltScene& built, RendererKind by, const Variant& variant, const Asked& asked) {
-        const auto viewer = built.viewer(renderer(by, options_.samples, true));
+        const auto viewer = built.viewer(renderer(by, asked.samples, true));
         progress_.begin("drawing the work on " + std::string(variant.name), int(flight_.quality_frames.size()));
         for (const int frame : flight_.quality_frames) {
             viewer->frame(view_of(frame, asked));
@@ -406,7 +450,7 @@ class Run {
     /// the frames before leave, so some of those are drawn, too.
     void draw_from_outside(const BuiltScene& built, const Variant& variant, const Asked& asked) {
         constexpr int frames_before = 12;
-        RendererChoice choice = renderer(options_.renderer, options_.samples);
+        RendererChoice choice = renderer(options_.renderer, asked.samples);
         choice.looks_on = true;
         const auto viewer = built.viewer(choice);
         progress_.begin("drawing " + std::string(variant.name) + " from outside", int(flight_.quality_frames.size()));

@@ -27,7 +27,11 @@ std::string tolerance(float px) {
     return text + " px";
 }
 
-std::string words(const Choice& choice) {
+std::string words(const Choice& choice, bool tells_samples) {
+    if (tells_samples) {
+        return words(choice, false) + " at " + std::to_string(choice.samples) +
+               (choice.samples == 1 ? " sample" : " samples");
+    }
     const std::string px = tolerance(choice.tolerance.trial.tolerance_px) + (choice.asks_wanted ? ", as wanted" : "");
     switch (choice.tolerance.reason) {
         case farfield::ToleranceReason::pays:
@@ -47,11 +51,11 @@ std::string words(const Choice& choice) {
 }
 
 /// Two columns more where any row has cells of coverage masks.
-Row row_of(const Result& r, double stored_primitives, bool has_cells) {
+Row row_of(const Result& r, double stored_primitives, bool has_cells, bool tells_samples) {
     Row row{r.name,
             number(r.build.seconds, 2),
             number(double(r.build.bytes) / stored_primitives, 1),
-            r.choice ? words(*r.choice) : "-",
+            r.choice ? words(*r.choice, tells_samples) : "-",
             number(median(r.exact_ms), 2),
             number(median(r.paired_ms), 2),
             number(speedup(r), 2, "x"),
@@ -88,7 +92,7 @@ void print(std::ostream& out, const std::vector<Row>& rows) {
 
 /// What each variant takes to err by no more than point sampling, and than a round number, beside exact and a plain
 /// loop over all triangles.
-void print_at_equal_error(std::ostream& out, const std::vector<Result>& results) {
+void print_at_equal_error(std::ostream& out, const std::vector<Result>& results, bool tells_samples) {
     constexpr double round_rmse = 0.05;
     std::vector<Row> rows{{"at equal error", "point sampling:", "rmse", "ms", "exact/", "plain/", "rmse 0.05:", "rmse",
                            "ms", "exact/", "plain/"}};
@@ -122,7 +126,7 @@ void print_at_equal_error(std::ostream& out, const std::vector<Result>& results)
         for (const farfield::WantedError wanted : {farfield::WantedError{}, farfield::WantedError{round_rmse}}) {
             const Choice choice = r.measured->choice_for(wanted);
             const farfield::ToleranceTrial& trial = choice.tolerance.trial;
-            add(row, words(choice), trial.rmse, trial.cost * r.measured->exact_ms, 1 / trial.cost);
+            add(row, words(choice, tells_samples), trial.rmse, choice.cost * r.measured->exact_ms, 1 / choice.cost);
         }
         rows.push_back(std::move(row));
     }
@@ -162,10 +166,14 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
             rows[1].push_back("cells/px");
         }
     }
-    for (const Result& r : results) rows.push_back(row_of(r, double(stored_primitives(setting.scene)), has_cells));
+    const bool tells_samples = !options.more_samples.empty();
+    for (const Result& r : results) {
+        rows.push_back(row_of(r, double(stored_primitives(setting.scene)), has_cells, tells_samples));
+    }
     out << setting.name << ": " << farfield::scenes::triangle_count(setting.scene) << " triangles, "
         << stored_primitives(setting.scene) << " primitives in " << farfield::scenes::bytes(setting.scene) << " bytes; "
-        << options.width << "x" << options.height << " pixels, " << options.samples << " samples each by "
+        << options.width << "x" << options.height << " pixels, " << options.samples << " samples each"
+        << (tells_samples ? ", or as many as are cheapest at the error that is wanted," : "") << " by "
         << name_of(options.renderer) << ", " << options.frames << " frames";
     if (!options.error) out << ", " << options.tolerance_px << " px tolerance";
     if (options.budget_ms) out << ", at most " << *options.budget_ms << " ms a frame";
@@ -200,7 +208,7 @@ void print_table(std::ostream& out, const Setting& setting, const Options& optio
         out << "Polygons cross one another so much that " << r.name << " leaves " << r.build.cells_over_piece_budget
             << " cells uncut, to stay within its memory: they are\nin no strict order.\n";
     }
-    print_at_equal_error(out, results);
+    print_at_equal_error(out, results, tells_samples);
     if (!results.empty() && results.front().renderer != options.renderer) {
         out << "Exact is drawn by " << name_of(results.front().renderer) << ", for it is not in the order that "
             << name_of(options.renderer) << " needs.\n";

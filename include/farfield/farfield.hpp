@@ -52,6 +52,7 @@
 #include "farfield/tuning/error_table_file.hpp"
 #include "farfield/tuning/measure_error_table.hpp"
 #include "farfield/tuning/measure_frame_prices.hpp"
+#include "farfield/tuning/sampled_error_table.hpp"
 #include "farfield/tuning/variants.hpp"
 #include "farfield/update.hpp"
 #include "farfield/version.hpp"

@@ -1,6 +1,7 @@
 // Tables of hierarchies: what they say is what their frames err by, whatever there is to see.
 #include "farfield/tuning/measure_error_table.hpp"
 
+#include <stdexcept>
 #include <vector>
 
 #include "catch.hpp"
@@ -138,4 +139,60 @@ TEST_CASE("what has no stand-ins costs the same at any tolerance, so exact is ch
         CHECK(t.cost == 1);
         CHECK(t.rmse == table.exact_rmse());
     }
+}
+
+TEST_CASE("a table of several numbers of samples has the errors of a table of each") {
+    const Triangles triangles = random_triangles(6000, 169, 0.05f);
+    const auto hierarchy = build<Tensors>(triangles);
+    const std::vector<View> looks = views(12);
+    HierarchyErrorOptions options = priced();
+    options.prices.reset();
+    const int counts[] = {1, 4, 16};
+    const auto make = [](int samples) { return ZBufferRenderer({.samples = samples}); };
+    const auto measured = [&] {
+        return measure_sampled_error_table(hierarchy, std::span<const Triangle>(triangles), counts, make, looks,
+                                           options);
+    };
+    const SampledErrorTable table = measured();
+    REQUIRE(table.tables().size() == 3);
+    double last_rmse = 1;
+    for (const ErrorsAtSamples& at : table.tables()) {
+        CHECK(at.exact_cost > 0);
+        CHECK(at.table.exact_rmse() < last_rmse);
+        last_rmse = at.table.exact_rmse();
+        ZBufferRenderer renderer({.samples = at.samples});
+        const ErrorTable alone =
+            measure_error_table(hierarchy, std::span<const Triangle>(triangles), renderer, looks, options);
+        REQUIRE(alone.trials().size() == at.table.trials().size());
+        for (std::size_t i = 0; i < alone.trials().size(); ++i) {
+            CHECK(alone.trials()[i].rmse == at.table.trials()[i].rmse);
+        }
+    }
+    // What point sampling cannot keep, more samples do.
+    const double wanted = 0.5 * (table.at(4).exact_rmse() + table.at(16).exact_rmse());
+    const SampleChoice fine = table.cheapest_for({wanted});
+    CHECK(fine.tolerance.keeps_error());
+    CHECK(fine.tolerance.trial.rmse <= wanted);
+    // The picture errs by what the table says.
+    const View drawn = fine.applied_to(looks[0]);
+    CHECK(drawn.tolerance_px == fine.tolerance.trial.tolerance_px);
+    CHECK(drawn.wanted.samples == fine.samples);
+}
+
+TEST_CASE("tables of samples over nothing say so, and numbers that do not ascend and prices are refused") {
+    const Triangles none;
+    const auto hierarchy = build<Tensors>(none);
+    const auto make = [](int samples) { return ZBufferRenderer({.samples = samples}); };
+    const std::vector<View> looks{looking({0, 0, 5}, {}, 32)};
+    const auto measured = [&](const std::vector<int>& counts, const HierarchyErrorOptions& options = {}) {
+        return measure_sampled_error_table(hierarchy, std::span<const Triangle>(none), counts, make, looks, options);
+    };
+    const SampleChoice choice = measured({1, 4}).cheapest_for();
+    CHECK(choice.samples == 1);
+    CHECK(choice.tolerance.reason == ToleranceReason::nothing_tried);
+    CHECK(choice.tolerance.is_exact());
+    for (const auto& counts : {std::vector<int>{}, {0, 1}, {1, 1}, {4, 1}}) {
+        CHECK_THROWS_AS(measured(counts), std::invalid_argument);
+    }
+    CHECK_THROWS_AS(measured({1, 4}, priced()), std::invalid_argument);
 }

@@ -138,38 +138,65 @@ struct SquaredError {
     double root_mean() const { return count > 0 ? std::sqrt(sum / count) : 0; }
 };
 
+namespace detail {
+
+/// What settings of a subject err by and cost over all views together.
+struct MeasuredSettings {
+    std::vector<SquaredError> errors;
+    std::vector<double> costs;
+};
+
+/// draw(view, setting) draws and returns a cost, error(view) is that of what was drawn last. Settings of a view are
+/// drawn in turns.
+template <class Draw, class Error>
+MeasuredSettings measured_in_turns(std::size_t views, std::size_t settings, const ErrorTableOptions& options,
+                                   Draw&& draw, Error&& error) {
+    using Clock = std::chrono::steady_clock;
+    MeasuredSettings measured{std::vector<SquaredError>(settings), std::vector<double>(settings, 0)};
+    for (std::size_t view = 0; view < views; ++view) {
+        std::vector<double> least(settings, std::numeric_limits<double>::infinity()), spent(settings, 0);
+        for (int round = 0; round < std::max(options.repetitions, 1); ++round) {
+            for (std::size_t i = 0; i < settings; ++i) {
+                if (round > 0 && spent[i] >= options.seconds) continue;
+                const auto start = Clock::now();
+                least[i] = std::min(least[i], draw(view, i));
+                spent[i] += std::chrono::duration<double>(Clock::now() - start).count();
+                if (round == 0) measured.errors[i] += error(view);
+            }
+        }
+        for (std::size_t i = 0; i < settings; ++i) measured.costs[i] += least[i];
+    }
+    return measured;
+}
+
+/// Of as many settings as there are tolerances, exact before them, from the first of these on. Throws as ErrorTable.
+inline ErrorTable table_of(const MeasuredSettings& measured, std::size_t first, const ErrorTableOptions& options) {
+    std::vector<ToleranceTrial> trials;
+    for (std::size_t i = 0; i <= options.tolerances_px.size(); ++i) {
+        const SquaredError& error = measured.errors[first + i];
+        const bool known = error.count > 0 && measured.costs[first] > 0;
+        if (i > 0 && !known) break;
+        trials.push_back({i > 0 ? options.tolerances_px[i - 1] : 0, error.root_mean(),
+                          i > 0 ? measured.costs[first + i] / measured.costs[first] : 1});
+    }
+    return ErrorTable(std::move(trials), options.least_saving);
+}
+
+}  // namespace detail
+
 /// Measures whatever draws: `subject.draw(view, tolerance_px)` draws the view of that number once, exactly at tolerance
 /// 0, and returns what it costs (anything proportional to time); `subject.error(view)` is the SquaredError of what was
 /// drawn last. Tolerances of a view are drawn in turns, so that a change of clock rate meets all. Without views, or
 /// where these see nothing (a count of 0), only exact is in the table. Throws as ErrorTable does.
 template <class Subject>
 ErrorTable measure_error_table(Subject& subject, std::size_t views, const ErrorTableOptions& options = {}) {
-    using Clock = std::chrono::steady_clock;
-    std::vector<float> tolerances{0};
-    tolerances.insert(tolerances.end(), options.tolerances_px.begin(), options.tolerances_px.end());
-    std::vector<SquaredError> errors(tolerances.size());
-    std::vector<double> costs(tolerances.size(), 0);
-    for (std::size_t view = 0; view < views; ++view) {
-        std::vector<double> least(tolerances.size(), std::numeric_limits<double>::infinity());
-        std::vector<double> spent(tolerances.size(), 0);
-        for (int round = 0; round < std::max(options.repetitions, 1); ++round) {
-            for (std::size_t i = 0; i < tolerances.size(); ++i) {
-                if (round > 0 && spent[i] >= options.seconds) continue;
-                const auto start = Clock::now();
-                least[i] = std::min(least[i], subject.draw(view, tolerances[i]));
-                spent[i] += std::chrono::duration<double>(Clock::now() - start).count();
-                if (round == 0) errors[i] += subject.error(view);
-            }
-        }
-        for (std::size_t i = 0; i < tolerances.size(); ++i) costs[i] += least[i];
-    }
-    std::vector<ToleranceTrial> trials;
-    for (std::size_t i = 0; i < tolerances.size(); ++i) {
-        const bool known = errors[i].count > 0 && costs[0] > 0;
-        if (i > 0 && !known) break;
-        trials.push_back({tolerances[i], errors[i].root_mean(), i > 0 ? costs[i] / costs[0] : 1});
-    }
-    return ErrorTable(std::move(trials), options.least_saving);
+    const auto measured = detail::measured_in_turns(
+        views, options.tolerances_px.size() + 1, options,
+        [&](std::size_t view, std::size_t i) {
+            return subject.draw(view, i > 0 ? options.tolerances_px[i - 1] : 0.0f);
+        },
+        [&](std::size_t view) { return subject.error(view); });
+    return detail::table_of(measured, 0, options);
 }
 
 }  // namespace farfield

@@ -1,6 +1,6 @@
 // Keeps an error table beside the hierarchy it was measured for: what is measured once chooses tolerances in every
-// later run. It is a file of its own, and text, because one hierarchy has a table for each renderer and number of
-// samples, and because people look into it.
+// later run. It is a file of its own, and text, because one hierarchy has a table for each renderer, and because people
+// look into it.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -22,9 +22,12 @@
 #include "farfield/fail.hpp"
 #include "farfield/geometry/mixed.hpp"
 #include "farfield/tuning/error_table.hpp"
+#include "farfield/tuning/sampled_error_table.hpp"
 
 namespace farfield {
 namespace detail {
+
+inline constexpr int error_table_version = 2;
 
 [[noreturn]] inline void refuse_table(const std::string& where, const std::string& why) {
     fail<std::runtime_error>("farfield::read_error_table: " + where + ": " + why);
@@ -64,16 +67,21 @@ struct HierarchyIdentity {
     }
 };
 
-/// Writes text, one tolerance a line: "2 0.0431 0.52" are pixels, root mean square error and cost in parts of exact's.
-/// Throws std::runtime_error if it cannot be written.
-inline void write_error_table(const ErrorTable& table, const HierarchyIdentity& hierarchy,
+/// Writes text: for each number of samples a pixel "samples 4 1.7", which is what exact frames cost at them, and then
+/// one tolerance a line: "2 0.0431 0.52" are pixels, root mean square error and cost in parts of exact's. Throws
+/// std::runtime_error if it cannot be written.
+inline void write_error_table(const SampledErrorTable& table, const HierarchyIdentity& hierarchy,
                               const std::filesystem::path& path) {
-    std::string text = "# farfield: what pictures of a hierarchy err by and cost, by tolerance\n";
+    std::string text = "# farfield: what pictures of a hierarchy err by and cost, by samples a pixel and tolerance\n";
+    text += "version " + detail::as_text(detail::error_table_version) + "\n";
     text += "hierarchy " + hierarchy.as_text() + "\n";
-    text += "least_saving " + detail::as_text(table.least_saving()) + "\n";
-    text += "# tolerance_px rmse cost\n";
-    for (const ToleranceTrial& t : table.trials()) {
-        text += detail::as_text(t.tolerance_px) + " " + detail::as_text(t.rmse) + " " + detail::as_text(t.cost) + "\n";
+    for (const ErrorsAtSamples& at : table.tables()) {
+        text += "# samples exact_cost\nsamples " + detail::as_text(at.samples) + " " + detail::as_text(at.exact_cost);
+        text += "\nleast_saving " + detail::as_text(at.table.least_saving()) + "\n# tolerance_px rmse cost\n";
+        for (const ToleranceTrial& t : at.table.trials()) {
+            text += detail::as_text(t.tolerance_px) + " " + detail::as_text(t.rmse) + " " + detail::as_text(t.cost);
+            text += "\n";
+        }
     }
     std::ofstream file(path, std::ios::binary);
     if (!file.write(text.data(), std::streamsize(text.size())).flush()) {
@@ -81,19 +89,24 @@ inline void write_error_table(const ErrorTable& table, const HierarchyIdentity& 
     }
 }
 template <class H>
-void write_error_table(const ErrorTable& table, const H& hierarchy, const std::filesystem::path& path) {
+void write_error_table(const SampledErrorTable& table, const H& hierarchy, const std::filesystem::path& path) {
     write_error_table(table, HierarchyIdentity::of(hierarchy), path);
 }
 
 /// Reads what write_error_table() wrote, to the last bit. Empty lines and those that start with # do not count. Throws
 /// std::runtime_error, "farfield::read_error_table: FILE:LINE: reason", for a line that is none of a table, for
-/// numbers that make none, and for the table of another hierarchy.
-inline ErrorTable read_error_table(const HierarchyIdentity& hierarchy, const std::filesystem::path& path) {
+/// numbers that make none, for the table of another hierarchy, and for files of another version.
+inline SampledErrorTable read_error_table(const HierarchyIdentity& hierarchy, const std::filesystem::path& path) {
+    struct Rows {
+        int samples = 0;
+        double exact_cost = 0, least_saving = -1;
+        std::vector<ToleranceTrial> trials{};
+    };
     std::ifstream file(path, std::ios::binary);
     if (!file) detail::refuse_table(path.string(), "cannot be opened");
     bool is_known = false;
-    double least_saving = -1;
-    std::vector<ToleranceTrial> trials;
+    int version = 0;
+    std::vector<Rows> all;
     std::string text;
     for (std::size_t number = 1; std::getline(file, text); ++number) {
         std::string_view line = text;
@@ -108,19 +121,33 @@ inline ErrorTable read_error_table(const HierarchyIdentity& hierarchy, const std
                 refuse("expected a number, found '" + std::string(digits) + "'");
             }
         };
-        if (word == "hierarchy") {
+        if (version == 0) {
+            if (word == "hierarchy") {
+                refuse("it is of version 1, which knew no numbers of samples; measure it again");
+            }
+            if (word != "version") refuse("expected 'version', found '" + std::string(word) + "'");
+            read(detail::next_word(line), version);
+            if (version != detail::error_table_version) {
+                refuse("it is of version " + std::to_string(version) + ", and this library reads version " +
+                       std::to_string(detail::error_table_version));
+            }
+        } else if (word == "hierarchy") {
             std::string name;
             while (!(word = detail::next_word(line)).empty()) name += (name.empty() ? "" : " ") + std::string(word);
             if (name != hierarchy.as_text()) {
                 refuse("it was measured for another hierarchy; measure_error_table() measures this one");
             }
             is_known = true;
-            continue;
-        }
-        if (word == "least_saving") {
-            read(detail::next_word(line), least_saving);
+        } else if (word == "samples") {
+            Rows& rows = all.emplace_back();
+            read(detail::next_word(line), rows.samples);
+            read(detail::next_word(line), rows.exact_cost);
+        } else if (all.empty()) {
+            refuse("'" + std::string(word) + "' comes before any number of samples");
+        } else if (word == "least_saving") {
+            read(detail::next_word(line), all.back().least_saving);
         } else {
-            ToleranceTrial& trial = trials.emplace_back();
+            ToleranceTrial& trial = all.back().trials.emplace_back();
             read(word, trial.tolerance_px);
             read(detail::next_word(line), trial.rmse);
             read(detail::next_word(line), trial.cost);
@@ -129,11 +156,18 @@ inline ErrorTable read_error_table(const HierarchyIdentity& hierarchy, const std
     }
     if (file.bad()) detail::refuse_table(path.string(), "cannot be read");
     if (!is_known) detail::refuse_table(path.string(), "does not say of which hierarchy it is");
-    if (const char* const why = ErrorTable::obstacle(trials, least_saving)) detail::refuse_table(path.string(), why);
-    return ErrorTable(std::move(trials), least_saving);
+    std::vector<ErrorsAtSamples> tables;
+    for (Rows& rows : all) {
+        const char* const why = ErrorTable::obstacle(rows.trials, rows.least_saving);
+        if (why != nullptr) detail::refuse_table(path.string(), why);
+        tables.push_back({rows.samples, rows.exact_cost, ErrorTable(std::move(rows.trials), rows.least_saving)});
+    }
+    const char* const why = SampledErrorTable::obstacle(tables);
+    if (why != nullptr) detail::refuse_table(path.string(), why);
+    return SampledErrorTable(std::move(tables));
 }
 template <class H>
-ErrorTable read_error_table(const H& hierarchy, const std::filesystem::path& path) {
+SampledErrorTable read_error_table(const H& hierarchy, const std::filesystem::path& path) {
     return read_error_table(HierarchyIdentity::of(hierarchy), path);
 }
 

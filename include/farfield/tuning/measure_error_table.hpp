@@ -9,17 +9,24 @@
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "farfield/cost_model/measured_time.hpp"
+#include "farfield/fail.hpp"
 #include "farfield/geometry/box.hpp"
 #include "farfield/image.hpp"
 #include "farfield/primitive.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/tuning/error_table.hpp"
+#include "farfield/tuning/sampled_error_table.hpp"
 #include "farfield/view.hpp"
 #include "farfield/viewer.hpp"
 
@@ -81,31 +88,44 @@ inline SquaredError object_error(const Image& picture, const Image& reference) {
     return {double(std::max(over_black, over_white)) / (3.0 * 255 * 255), double(covered)};
 }
 
+template <class H, class P>
+std::vector<Image> reference_pictures(const H& hierarchy, std::span<const P> primitives, std::span<const View> views,
+                                      const ZBufferOptions& options) {
+    ZBufferRenderer finest(options);
+    Viewer<H, P, ZBufferRenderer> viewer(hierarchy, primitives, finest);
+    std::vector<Image> pictures;
+    for (View view : views) {
+        view.tolerance_px = 0;
+        viewer.frame(view);
+        pictures.push_back(finest.image());
+    }
+    return pictures;
+}
+
+/// Draws a view and returns what that costs.
+template <class V>
+double cost_of_frame(V& viewer, View view, float tolerance_px, const std::optional<MeasuredTime>& prices) {
+    using Clock = std::chrono::steady_clock;
+    view.tolerance_px = tolerance_px;
+    const auto start = Clock::now();
+    const FrameStats stats = viewer.frame(view);
+    if (!prices) return std::chrono::duration<double>(Clock::now() - start).count();
+    return double(prices->cost(work_of_frame(stats)));
+}
+
 /// Frames of a viewer, against exact ones with many samples.
 template <class H, class P, class R>
 class ToleranceSubject {
   public:
     ToleranceSubject(const H& hierarchy, std::span<const P> primitives, R& renderer, std::span<const View> views,
                      const HierarchyErrorOptions& options)
-        : renderer_(renderer), viewer_(hierarchy, primitives, renderer), views_(views), prices_(options.prices) {
-        ZBufferRenderer finest(options.reference);
-        Viewer<H, P, ZBufferRenderer> viewer(hierarchy, primitives, finest);
-        for (View view : views) {
-            view.tolerance_px = 0;
-            viewer.frame(view);
-            references_.push_back(finest.image());
-        }
-    }
+        : renderer_(renderer),
+          viewer_(hierarchy, primitives, renderer),
+          views_(views),
+          prices_(options.prices),
+          references_(reference_pictures(hierarchy, primitives, views, options.reference)) {}
 
-    double draw(std::size_t i, float tolerance_px) {
-        using Clock = std::chrono::steady_clock;
-        View view = views_[i];
-        view.tolerance_px = tolerance_px;
-        const auto start = Clock::now();
-        const FrameStats stats = viewer_.frame(view);
-        if (!prices_) return std::chrono::duration<double>(Clock::now() - start).count();
-        return double(prices_->cost(work_of_frame(stats)));
-    }
+    double draw(std::size_t i, float tolerance_px) { return cost_of_frame(viewer_, views_[i], tolerance_px, prices_); }
     SquaredError error(std::size_t i) const { return object_error(renderer_.image(), references_[i]); }
 
   private:
@@ -116,6 +136,52 @@ class ToleranceSubject {
     std::vector<Image> references_;
 };
 
+/// As above, with a viewer for each number of samples. They share what renderers share.
+template <class H, class P, class R>
+class SampledSubject {
+  public:
+    template <class MakeRenderer>
+    SampledSubject(const H& hierarchy, std::span<const P> primitives, std::span<const int> samples, MakeRenderer&& make,
+                   std::span<const View> views, const HierarchyErrorOptions& options)
+        : views_(views), references_(reference_pictures(hierarchy, primitives, views, options.reference)) {
+        for (const int count : samples) {
+            // Renderers stay where they are, so they are made there.
+            Drawn drawn{count, std::unique_ptr<R>(new R(make(count)))};
+            drawn.viewer = all_.empty() ? std::make_unique<Viewer<H, P, R>>(hierarchy, primitives, *drawn.renderer)
+                                        : std::make_unique<Viewer<H, P, R>>(*all_.front().viewer, *drawn.renderer);
+            all_.push_back(std::move(drawn));
+        }
+    }
+
+    double draw(std::size_t i, float tolerance_px, int samples) {
+        const auto has_so_many = [&](const Drawn& drawn) { return drawn.samples == samples; };
+        last_ = std::size_t(std::find_if(all_.begin(), all_.end(), has_so_many) - all_.begin());
+        View view = views_[i];
+        view.wanted.samples = samples;
+        return cost_of_frame(*all_[last_].viewer, view, tolerance_px, std::nullopt);
+    }
+    SquaredError error(std::size_t i) const { return object_error(all_[last_].renderer->image(), references_[i]); }
+
+  private:
+    struct Drawn {
+        int samples;
+        std::unique_ptr<R> renderer;
+        std::unique_ptr<Viewer<H, P, R>> viewer{};  ///< after its renderer, which it lets go of
+    };
+    std::span<const View> views_;
+    std::vector<Image> references_;
+    std::vector<Drawn> all_;
+    std::size_t last_ = 0;
+};
+
+/// Those that hold a hierarchy, where none are given.
+template <class H>
+std::vector<View> views_or_around(const H& hierarchy, std::span<const View> views) {
+    if (!views.empty() || hierarchy.bounds().is_empty()) return {views.begin(), views.end()};
+    return views_around({glm::dvec3(hierarchy.bounds().lower) + hierarchy.origin(),
+                         glm::dvec3(hierarchy.bounds().upper) + hierarchy.origin()});
+}
+
 }  // namespace detail
 
 /// Measures a hierarchy over its primitives, drawn with `renderer` at its own number of samples, in these views;
@@ -125,14 +191,31 @@ class ToleranceSubject {
 template <class H, Primitive P, class R>
 ErrorTable measure_error_table(const H& hierarchy, std::span<const P> primitives, R& renderer,
                                std::span<const View> views = {}, const HierarchyErrorOptions& options = {}) {
-    std::vector<View> around;
-    if (views.empty() && !hierarchy.bounds().is_empty()) {
-        around = views_around({glm::dvec3(hierarchy.bounds().lower) + hierarchy.origin(),
-                               glm::dvec3(hierarchy.bounds().upper) + hierarchy.origin()});
-        views = around;
-    }
-    detail::ToleranceSubject<H, P, R> subject(hierarchy, primitives, renderer, views, options);
-    return measure_error_table(subject, views.size(), options);
+    const std::vector<View> all = detail::views_or_around(hierarchy, views);
+    detail::ToleranceSubject<H, P, R> subject(hierarchy, primitives, renderer, all, options);
+    return measure_error_table(subject, all.size(), options);
+}
+
+/// As above at several numbers of samples, by clock: make_renderer(samples) returns a renderer that draws with so many,
+/// all of them alike but for that. Views that wanted errors are drawn in have the samples set. Throws
+/// std::invalid_argument for numbers that do not ascend from 1 or more, before anything is drawn, and where frames are
+/// to be priced by their counts, which do not tell what samples cost.
+template <class H, Primitive P, class MakeRenderer>
+SampledErrorTable measure_sampled_error_table(const H& hierarchy, std::span<const P> primitives,
+                                              std::span<const int> samples, MakeRenderer&& make_renderer,
+                                              std::span<const View> views = {},
+                                              const HierarchyErrorOptions& options = {}) {
+    const auto refuse = [](const char* why) {
+        detail::fail<std::invalid_argument>(std::string("farfield::measure_sampled_error_table: ") + why);
+    };
+    bool ascends = !samples.empty();
+    for (std::size_t i = 0; i < samples.size(); ++i) ascends = ascends && samples[i] > (i > 0 ? samples[i - 1] : 0);
+    if (!ascends) refuse("numbers of samples must ascend from 1 or more");
+    if (options.prices) refuse("prices do not tell what samples cost");
+    using R = std::remove_cvref_t<decltype(make_renderer(samples[0]))>;
+    const std::vector<View> all = detail::views_or_around(hierarchy, views);
+    detail::SampledSubject<H, P, R> subject(hierarchy, primitives, samples, make_renderer, all, options);
+    return measure_sampled_error_table(subject, samples, all.size(), options);
 }
 
 }  // namespace farfield
