@@ -69,8 +69,8 @@ Painter::Painter()
     glVertexArrayElementBuffer(far_.name(), corners_.name());
 }
 
-void Painter::paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
-                    GLuint to, const PaintOptions& options) {
+void Painter::paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target, GLuint to,
+                    const PaintOptions& options) {
     now_ = &lists_[options.quad_depth ? 1 : 0];
     geometry_calls_.clear();
     far_calls_.clear();
@@ -265,7 +265,8 @@ void Painter::draw_geometry(const Picture& picture, const Sources& sources, cons
         const bool translucent = is_streamed ? picture.has_translucent_streamed : source->has_translucent;
         const bool leaves_small = call.law != no_law;
         use(Shader::triangles,
-            (options.light ? LIT : 0u) | (translucent ? TRANSLUCENT : 0u) | (leaves_small ? LEAVES_SMALL : 0u), options);
+            (options.light ? LIT : 0u) | (translucent ? TRANSLUCENT : 0u) | (leaves_small ? LEAVES_SMALL : 0u),
+            options);
         if (options.light) glUniform2f(1, options.light->ambient, options.light->diffuse);
         if (translucent) glUniform2i(2, options.first_sample.x, options.first_sample.y);
         if (leaves_small) {

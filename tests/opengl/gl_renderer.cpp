@@ -133,7 +133,8 @@ TEST_CASE("OpenGL deposits by the area law", "[opengl]") {
                                    s.z,
                                    Rgba8{255, 255, 255, std::uint8_t(law)}});
                 }
-                const Image& image = picture_of(renderer, local, [&](GlRenderer& r) { r.draw(std::span<const Splat>(all)); });
+                const Image& image =
+                    picture_of(renderer, local, [&](GlRenderer& r) { r.draw(std::span<const Splat>(all)); });
                 return image.at(16, 15).a / 255.0;
             };
             const AreaLaw coherent = AreaLaw::coherent, mixed = AreaLaw::mixed, strewn_law = AreaLaw::independent;
@@ -144,7 +145,8 @@ TEST_CASE("OpenGL deposits by the area law", "[opengl]") {
             CHECK(alpha(coherent, {{0, 1, 0.3f}, {0, 1, 0.5f}}) == Approx(0.8).margin(0.004));
             CHECK(alpha(coherent, {{0, 1, 0.8f}, {0, 1, 0.8f}}) == Approx(1).margin(0.004));
             CHECK(alpha(strewn_law, {{0, 1, 0.3f}, {0, 1, 0.5f}}) == Approx(0.65).margin(0.004));
-            const double two = double(transmitted(transmitted(1, loss_of_opacity(0.3f, mixed)), loss_of_opacity(0.5f, mixed)));
+            const double two =
+                double(transmitted(transmitted(1, loss_of_opacity(0.3f, mixed)), loss_of_opacity(0.5f, mixed)));
             CHECK(alpha(mixed, {{0, 1, 0.3f}, {0, 1, 0.5f}}) == Approx(1 - two).margin(0.004));
             if (lanes > 1) CHECK(alpha(strewn_law, {{-0.25f, 0.5f, 1}, {0.25f, 0.5f, 1}}) == Approx(1).margin(0.004));
         }
