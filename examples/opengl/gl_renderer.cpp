@@ -80,7 +80,7 @@ struct GlRenderer::State {
     Texture resolved;
     Framebuffer resolved_framebuffer;
     int resolved_width = 0, resolved_height = 0, width = 0, height = 0;
-    std::optional<LocalView> frame_view, image_view;
+    std::optional<LocalView> frame_view, image_view, local_view;
     int image_side = 1;
     std::vector<ImageSlice> slices;
     KeptImages images;
@@ -97,7 +97,10 @@ struct GlRenderer::State {
         local_light.towards = view.right * light_in_view.x + view.up * light_in_view.y + view.forward * light_in_view.z;
         return &local_light;
     }
-    void set_view(const LocalView& view) { now->set_view(view, light_of(view)); }
+    void set_view(const LocalView& view) {
+        local_view = view;
+        now->set_view(view, light_of(view));
+    }
 };
 
 GlRenderer::GlRenderer(const GlOptions& options) : state_((require_opengl(), std::make_unique<State>(options))) {}
@@ -118,8 +121,10 @@ float GlRenderer::largest_splat_px() const {
 bool GlRenderer::deposits_primitives() const {
     return state_->options.deposits_small_triangles;
 }
-bool GlRenderer::hidden(const Cell&, CellId) {
-    return false;
+bool GlRenderer::hidden(const Cell& cell, CellId id) {
+    State& s = *state_;
+    if (!s.options.asks_what_is_hidden || s.now != &s.frame) return false;
+    return s.painter.occlusion.hidden(cell, id, *s.local_view, [&] { return s.frame.view(); });
 }
 
 std::uint32_t GlRenderer::keep(std::shared_ptr<const TriangleSource> source) {
@@ -148,6 +153,7 @@ void GlRenderer::begin_frame(const LocalView& view) {
     s.now = &s.frame;  // an exception may have ended the last frame in an image
     s.frame_view = view;
     s.painter.stats = {};
+    if (s.options.asks_what_is_hidden) s.painter.occlusion.begin_frame();
     if (s.options.light) {
         const glm::vec3 l = s.options.light->towards;
         s.light_in_view = {glm::dot(l, view.right), glm::dot(l, view.up), glm::dot(l, view.forward)};

@@ -15,6 +15,7 @@
 #include "opengl/chunk_store.hpp"
 #include "opengl/kept_images.hpp"
 #include "opengl/mirrored_buffer.hpp"
+#include "opengl/occlusion.hpp"
 #include "opengl/picture.hpp"
 #include "opengl/screen_rectangle.hpp"
 #include "opengl/shaders.hpp"
@@ -55,8 +56,7 @@ class Painter {
     void paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target, GLuint to,
                const PaintOptions& options);
 
-    /// Shows of each draw that hides something, once a frame, what can be asked with the depth of the last picture.
-    Programs& programs() { return programs_; }
+    Occlusion occlusion;  ///< asked after the geometry of each frame
 
     PaintStats stats;
 
@@ -91,6 +91,7 @@ class Painter {
     void draw_small_triangles(const Picture& picture, const Sources& sources, glm::vec2 samples,
                               const PaintOptions& options);
     GLuint vertices_of(const Call& call, const Picture& picture, const Sources& sources) const;
+    void ask_what_is_hidden(const PaintOptions& options);
     void draw_image(const PlacedImage& placed, const KeptImages& images, int mode, int lanes,
                     const PaintOptions& options);
     void find_parts(const Picture& picture, const Sources& sources, const KeptImages& images,

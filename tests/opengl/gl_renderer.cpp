@@ -96,8 +96,6 @@ TEST_CASE("OpenGL draws triangles as the z-buffer does", "[opengl]") {
             }
         }
     }
-    gl.errors.reset();
-    gl.errors.emplace();
     gl.check_clean();
 }
 
@@ -255,6 +253,37 @@ TEST_CASE("OpenGL uploads what is shared once, and frees what is released", "[op
         other.release(shared);
         CHECK(opengl::live_objects()[std::size_t(opengl::ObjectKind::buffer)] == buffers - 1);
         CHECK(one.upload(source) == id);
+    }
+    gl.check_clean();
+}
+
+TEST_CASE("OpenGL tells some frames later what a wall hides, and it is not missed", "[opengl]") {
+    OpenGl gl;
+    if (!gl) return;
+    {
+        auto triangles = strewn(20'000, 0.02f, 5);
+        for (Triangle& t : triangles) {
+            for (glm::vec3& v : t.vertices) v.z -= 2;
+        }
+        const Rgba8 gray{99, 99, 99, 255};
+        triangles.push_back({{glm::vec3(-3, -3, 0.5f), {3, -3, 0.5f}, {3, 3, 0.5f}}, gray});
+        triangles.push_back({{glm::vec3(-3, -3, 0.5f), {3, 3, 0.5f}, {-3, 3, 0.5f}}, gray});
+        const auto hierarchy = build<Hierarchy>(triangles);
+        GlRenderer renderer({.asks_what_is_hidden = true}), reference;
+        auto viewer = make_viewer(hierarchy, triangles, renderer),
+             plain_viewer = make_viewer(hierarchy, triangles, reference);
+        const View front = looking({0, 0, 6}, {}, 100, 0), beside = looking({6, 0, -1}, {0, 0, -2}, 100, 0);
+        FrameStats stats;
+        for (int i = 0; i < 40; ++i) {
+            stats = viewer.frame(front);
+            plain_viewer.frame(front);
+            CHECK(renderer.image() == reference.image());
+        }
+        CHECK(stats.cells_hidden > 0);
+        CHECK(stats.primitives < triangles.size() / 2);
+        for (int i = 0; i < 20; ++i) viewer.frame(beside);
+        plain_viewer.frame(beside);
+        CHECK(mean_difference(renderer.image(), reference.image()) < 0.01);
     }
     gl.check_clean();
 }
