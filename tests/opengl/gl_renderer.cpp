@@ -177,7 +177,7 @@ TEST_CASE("OpenGL is sent nothing for a still camera, and what changed for one t
         const auto hierarchy = build<Hierarchy>(triangles);
         GlRenderer renderer;
         auto viewer = make_viewer(hierarchy, triangles, renderer);
-        View view = looking({0.3, 0.4, 6}, {}, 200, 4);
+        View view = looking({0.3, 0.4, 6}, {}, 200, 12);
         const FrameStats stats = viewer.frame(view);
         CHECK(stats.splats > 100);
         CHECK(renderer.stats().uploaded_bytes > 24 * stats.splats);
