@@ -7,8 +7,8 @@ farfield_chart_packages=(gnuplot-nox)
 # For examples/view.sh: a window and what draws in it, and OpenGL without a GPU.
 farfield_viewer_packages=(libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libegl-mesa0 libgl-dev libgl1-mesa-dri)
 # For .ci/run: a second compiler, formatting, the reference; ccache makes the next run short.
-farfield_check_packages=(clang libclang-rt-14-dev clang-format-14 doxygen ccache nginx-light libzstd-dev
-    xvfb xdotool)
+farfield_check_packages=(clang libclang-rt-14-dev clang-format-14 doxygen ccache nginx-light libzstd-dev xvfb
+    xdotool)
 # For whoever wants others' renderers in bench_coverage_peers; nothing installs them unasked.
 farfield_peer_packages=(libembree-dev libepoxy-dev libegl-dev libegl-mesa0 libgl1-mesa-dri)
 

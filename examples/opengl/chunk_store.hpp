@@ -47,7 +47,7 @@ struct Chunk {
     std::uint32_t view = 0;
     std::uint64_t hash = 0;  ///< of the records, equal for equal ones: 2^-64 times the square of their number is what
                              ///< may go wrong
-    Box box = Box::empty();                 ///< that holds them
+    Box box = Box::empty();  ///< that holds them
     std::array<std::uint16_t, 3> of_law{};  ///< of stand-ins: how many have each law
     std::uint8_t cell_law = 0;              ///< of triangles: CellLaw
     bool is_of_faces = false;               ///< stand-ins are all faces; else all are splats

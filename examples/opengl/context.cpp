@@ -106,8 +106,7 @@ struct HeadlessContext::Handles {
     ~Handles() {
         if (display == EGL_NO_DISPLAY) return;
         if (context == EGL_NO_CONTEXT) return;
-        if (eglGetCurrentContext() == context)
-            eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        if (eglGetCurrentContext() == context) eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         eglDestroyContext(display, context);
         // Not eglTerminate: others may have the same display.
     }

@@ -28,9 +28,13 @@ struct GlOptions {
     Rgba8 background{0, 0, 0, 0};             ///< premultiplied
     std::optional<DirectionalLight> light{};  ///< in the outermost hierarchy's axes; none: colors as they are
     bool culls_back_faces = false;            ///< for closed surfaces that are counter-clockwise seen from outside
-    /// Triangles smaller than two samples cover a part of each, by their cell's area law, instead of all or nothing. This
-    /// holds for ranges with a law only; an exact picture is always point sampled. Those of meshes are never deposited.
+    /// Triangles smaller than two samples cover a part of each, by their cell's area law, instead of all or nothing.
+    /// This holds for ranges with a law only; an exact picture is always point sampled. Those of meshes are never
+    /// deposited.
     bool deposits_small_triangles = true;
+    /// Cells that were hidden some frames ago, by geometry, are not drawn: what comes into sight may be missing for so
+    /// many. Without it nothing is hidden.
+    bool asks_what_is_hidden = false;
     /// What stands in covers each sample in lanes x lanes parts, 1, 2 or 4 a side: things side by side in a lane go for
     /// things behind one another.
     int lanes = 2;

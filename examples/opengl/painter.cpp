@@ -69,8 +69,8 @@ Painter::Painter()
     glVertexArrayElementBuffer(far_.name(), corners_.name());
 }
 
-void Painter::paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
-                    GLuint to, const PaintOptions& options) {
+void Painter::paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target, GLuint to,
+                    const PaintOptions& options) {
     now_ = &lists_[options.quad_depth ? 1 : 0];
     geometry_calls_.clear();
     far_calls_.clear();
@@ -98,6 +98,7 @@ void Painter::paint(const Picture& picture, const Sources& sources, const KeptIm
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, now_->commands.name());
     find_parts(picture, sources, images, options);
     draw_geometry(picture, sources, images, target, options);
+    if (!options.quad_depth && occlusion.asks()) ask_what_is_hidden(options);
     if (!far_part_.is_empty()) draw_far(picture, sources, images, target, options);
     composite(target, to, options);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
@@ -265,7 +266,8 @@ void Painter::draw_geometry(const Picture& picture, const Sources& sources, cons
         const bool translucent = is_streamed ? picture.has_translucent_streamed : source->has_translucent;
         const bool leaves_small = call.law != no_law;
         use(Shader::triangles,
-            (options.light ? LIT : 0u) | (translucent ? TRANSLUCENT : 0u) | (leaves_small ? LEAVES_SMALL : 0u), options);
+            (options.light ? LIT : 0u) | (translucent ? TRANSLUCENT : 0u) | (leaves_small ? LEAVES_SMALL : 0u),
+            options);
         if (options.light) glUniform2f(1, options.light->ambient, options.light->diffuse);
         if (translucent) glUniform2i(2, options.first_sample.x, options.first_sample.y);
         if (leaves_small) {
@@ -290,6 +292,29 @@ void Painter::draw_geometry(const Picture& picture, const Sources& sources, cons
     for (const PlacedImage& placed : picture.images) {
         draw_image(placed, images, images[placed.quad.image].is_solid ? 0 : 1, 1, options);
     }
+}
+
+/// Against what was drawn as geometry; what stands in hides nothing here.
+void Painter::ask_what_is_hidden(const PaintOptions& options) {
+    glDepthMask(GL_FALSE);
+    glDepthFunc(GL_GEQUAL);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDisable(GL_SCISSOR_TEST);
+    for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+    glUseProgram(programs_.get(Shader::bounds));
+    glBindVertexArray(far_.name());
+    glVertexArrayVertexBuffer(far_.name(), views_binding, now_->views.name(), 0, sizeof(ViewRow));
+    occlusion.ask([this](const Occlusion::Box& box) {
+        glUniform3fv(1, 1, &box.center.x);
+        glUniform3fv(2, 1, &box.half_size.x);
+        glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 14, 1, box.view);
+        ++stats.draw_calls;
+    });
+    if (options.depth.clips) {
+        for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glEnable(distance);
+    }
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthFunc(GL_GREATER);
 }
 
 GLuint Painter::vertices_of(const Call& call, const Picture& picture, const Sources& sources) const {

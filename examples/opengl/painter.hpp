@@ -15,6 +15,7 @@
 #include "opengl/chunk_store.hpp"
 #include "opengl/kept_images.hpp"
 #include "opengl/mirrored_buffer.hpp"
+#include "opengl/occlusion.hpp"
 #include "opengl/picture.hpp"
 #include "opengl/screen_rectangle.hpp"
 #include "opengl/shaders.hpp"
@@ -32,9 +33,9 @@ struct PaintOptions {
     glm::vec4 background{0};  ///< premultiplied
     std::optional<DirectionalLight> light{};
     bool culls_back_faces = false, is_mirrored = false;
-    glm::ivec2 first_sample{0};  ///< of the whole picture's, relative to its middle
-    glm::ivec2 beside{0};        ///< samples of the whole picture to the left and above
-    std::optional<glm::vec2> slice{};  ///< only what has depths between these, as in the depth buffer
+    glm::ivec2 first_sample{0};         ///< of the whole picture's, relative to its middle
+    glm::ivec2 beside{0};               ///< samples of the whole picture to the left and above
+    std::optional<glm::vec2> slice{};   ///< only what has depths between these, as in the depth buffer
     std::optional<float> quad_depth{};  ///< it is an image: the rectangle's depth, as in the depth buffer
 };
 
@@ -52,11 +53,10 @@ class Painter {
 
     /// Draws into `target` and, as pixels, into a framebuffer of the picture's size, which has a second attachment for
     /// relative depths if it is an image.
-    void paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
-               GLuint to, const PaintOptions& options);
+    void paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target, GLuint to,
+               const PaintOptions& options);
 
-    /// Shows of each draw that hides something, once a frame, what can be asked with the depth of the last picture.
-    Programs& programs() { return programs_; }
+    Occlusion occlusion;  ///< asked after the geometry of each frame
 
     PaintStats stats;
 
@@ -91,6 +91,7 @@ class Painter {
     void draw_small_triangles(const Picture& picture, const Sources& sources, glm::vec2 samples,
                               const PaintOptions& options);
     GLuint vertices_of(const Call& call, const Picture& picture, const Sources& sources) const;
+    void ask_what_is_hidden(const PaintOptions& options);
     void draw_image(const PlacedImage& placed, const KeptImages& images, int mode, int lanes,
                     const PaintOptions& options);
     void find_parts(const Picture& picture, const Sources& sources, const KeptImages& images,
@@ -105,7 +106,7 @@ class Painter {
 
     Programs programs_;
     VertexArray triangles_, far_;
-    Buffer corners_;  ///< of the records of a chunk, six each
+    Buffer corners_;         ///< of the records of a chunk, six each
     GLint most_texels_ = 0;  ///< of a buffer
     Texture records_, whole_triangles_;
     Lists lists_[2];

@@ -169,6 +169,12 @@ class Picture {
                std::any_of(streamed.chunks.begin(), streamed.chunks.end(), chunk_has_law);
     }
 
+    /// The number of the view's row, which is there once however often a descent comes back to it.
+    std::uint32_t view() {
+        if (number_ == none) number_ = number_of(*row_);
+        return number_;
+    }
+
     /// Call it when all is added.
     void end() {
         streamed.cut();
@@ -186,11 +192,6 @@ class Picture {
   private:
     static constexpr std::uint32_t none = ~std::uint32_t(0);
 
-    /// The number of the view's row, which is there once however often a descent comes back to it.
-    std::uint32_t view() {
-        if (number_ == none) number_ = number_of(*row_);
-        return number_;
-    }
     std::uint32_t view_from(glm::vec3 origin) {
         if (origin == glm::vec3(0)) return view();
         ViewRow moved = *row_;

@@ -488,8 +488,9 @@ struct Texts {
 };
 constexpr Texts texts[shaders] = {
     {triangles_vertex, triangles_fragment, true}, {far_vertex, far_fragment, true},
-    {small_vertex, far_fragment, true, true},     {quad_vertex, quad_fragment, true},           {whole_vertex, copied_depth_fragment, false},
-    {whole_vertex, composite_fragment, false},    {bounds_vertex, bounds_fragment, true},
+    {small_vertex, far_fragment, true, true},     {quad_vertex, quad_fragment, true},
+    {whole_vertex, copied_depth_fragment, false}, {whole_vertex, composite_fragment, false},
+    {bounds_vertex, bounds_fragment, true},
 };
 constexpr const char* names[] = {"CLIPS", "LIT", "TRANSLUCENT", "SLICED", "KEEPS_DEPTHS", "LEAVES_SMALL"};
 
@@ -523,8 +524,8 @@ GLuint Programs::get(Shader shader, unsigned features) {
     }
     const Texts& t = texts[std::size_t(shader)];
     const bool has_whole = t.has_whole_triangles || (features & LEAVES_SMALL) != 0;
-    const Compiled vertex(GL_VERTEX_SHADER, head + (t.has_view ? view_text : "") +
-                                                (has_whole ? whole_triangle_text : "") + t.vertex);
+    const Compiled vertex(GL_VERTEX_SHADER,
+                          head + (t.has_view ? view_text : "") + (has_whole ? whole_triangle_text : "") + t.vertex);
     const Compiled fragment(GL_FRAGMENT_SHADER, head + t.fragment);
     Program made(GL_NONE);
     for (const Compiled* part : {&vertex, &fragment}) glAttachShader(made.name(), part->name);

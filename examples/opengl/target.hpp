@@ -20,7 +20,7 @@ inline Texture make_texture(GLenum format, int width, int height) {
 /// Textures only grow: what is larger than a picture is used in part.
 class Target {
   public:
-    Texture color, depth;                  ///< of samples
+    Texture color, depth;                   ///< of samples
     Texture far_field, far_depth, nearest;  ///< of lanes; the nearest deposits' depths where an image keeps them
     Framebuffer geometry, deposits;
 

@@ -57,7 +57,7 @@ struct TriangleSource {
     bool has_translucent = false;
     glm::vec3 origin{0};  ///< of the vertices' coordinates: add it to local ones
     std::uint32_t triangles = 0;
-    Box box = Box::empty();  ///< of all, in local coordinates
+    Box box = Box::empty();                       ///< of all, in local coordinates
     std::vector<std::uint32_t> first_triangle{};  ///< by position, and the end; empty: each has one
 
     std::uint32_t first_of(std::uint32_t position) const {

@@ -1,4 +1,6 @@
 // Every variant of the catalog, drawn by OpenGL and by the z-buffer.
+#include "walkthrough/variants.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -11,7 +13,6 @@
 #include "scenes/catalog.hpp"
 #include "scenes/generate/tree.hpp"
 #include "scenes/scene.hpp"
-#include "walkthrough/variants.hpp"
 
 using namespace farfield;
 using namespace farfield::test;
@@ -63,7 +64,8 @@ TEST_CASE("OpenGL draws every variant as the z-buffer does", "[opengl]") {
             const auto viewer = [&](scenes::RendererKind kind) {
                 return built->viewer({.kind = kind, .samples = samples});
             };
-            const auto reference = viewer(scenes::RendererKind::z_buffer), tested = viewer(scenes::RendererKind::opengl);
+            const auto reference = viewer(scenes::RendererKind::z_buffer),
+                       tested = viewer(scenes::RendererKind::opengl);
             for (const double distance : {1.6, 4.0, 14.0}) {
                 for (const float tolerance : {1.0f, 4.0f}) {
                     const View view{
