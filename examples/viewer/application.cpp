@@ -416,6 +416,7 @@ void Application::paint() {
         for (const int i : {0, 1}) {
             const double x = std::round((i == 0 ? look_.exact_until : look_.variant_until) * size.x);
             const bool is_near = controls_.divider_at(window_.cursor()) == i;
+            canvas.AddLine(im({x, 0}), im({x, size.y}), 0xff404040, 4);  // seen on white, too
             canvas.AddLine(im({x, 0}), im({x, size.y}), is_near ? 0xff40c0ff : 0xffffffff, 2);
         }
     } else {

@@ -2,7 +2,7 @@
 
 #include <charconv>
 #include <cmath>
-#include <functional>
+#include <limits>
 #include <stdexcept>
 
 namespace viewer {
@@ -14,7 +14,7 @@ namespace {
 
 double number(const std::string& word, double least, double most) {
     std::size_t end = 0;
-    double value = NAN;
+    double value = std::numeric_limits<double>::quiet_NaN();
     try {
         value = std::stod(word, &end);
     } catch (const std::exception&) {

@@ -68,7 +68,7 @@ std::shared_ptr<const Stage> open_stage(const std::string& where, std::size_t ca
     };
     // All of a landscape is a line on the horizon: it is looked at from where a flight has come near.
     const glm::dvec3 size = stage->bounds.size(), up = glm::abs(stage->up);
-    if (glm::dot(size, glm::dvec3(1) - up) > 4 * glm::dot(size, up)) stage->start = stage->flight().at(1.25);
+    if (glm::dot(size, glm::dvec3(1) - up) > 4 * glm::dot(size, up)) stage->start = stage->flight().at(0.5);
     for (const walkthrough::Variant& v : walkthrough::variants()) {
         stage->variants.push_back(
             {std::string(v.name), std::string(v.description), v.distance,

@@ -126,6 +126,7 @@ TEST_CASE("screenshots show what a program without a window draws, from wherever
                                  "drag left 100 100 180 70\nwait\nscreenshot turned.png\n"
                                  "key space\nwait\nscreenshot exact.png\nkey space\n"
                                  "set renderer coverage\nwait\nscreenshot coverage.png\n"
+                                 "set renderer opengl\nwait\nscreenshot opengl.png\n"
                                  "set renderer z-buffer\nset samples 16\nset threads 2\nwait\nscreenshot fine.png\n"
                                  "key R\nset samples 1\nwait\nscreenshot again.png\nquit\n");
     CHECK(outcome.said.empty());
@@ -136,6 +137,8 @@ TEST_CASE("screenshots show what a program without a window draws, from wherever
     CHECK(read_png(directory / "again.png") == begin);
     seen.navigator.orbit({80.0 / 240, 30.0 / 240});
     CHECK(read_png(directory / "turned.png") == seen.picture("color-cube", 320, 240, 2));
+    // Where there is no OpenGL to draw with, the last picture stays.
+    CHECK(farfield::flip(read_png(directory / "opengl.png"), read_png(directory / "turned.png")) < 0.1);
     const Image exact = read_png(directory / "exact.png");
     CHECK(exact == seen.picture("exact", 320, 240, 0));
     CHECK(farfield::flip(read_png(directory / "coverage.png"), exact) < 0.1);
