@@ -17,8 +17,8 @@
 
 namespace farfield {
 
-/// Models PageCodec. A page of 64 KiB of triangles is unpacked in a twentieth of a millisecond, whatever the level.
-/// Each thread that packs or unpacks keeps a context of zstd's, 1 MiB or less, until it ends.
+/// Models PageCodec. Each thread that packs or unpacks keeps a context of zstd's until it ends: some 100 KiB for
+/// unpacking, some MiB for packing, more at high levels.
 struct ZstdPages {
     /// zstd's: 1 is fastest, 19 smallest; out of its range it is the nearest in it.
     int level = 3;
