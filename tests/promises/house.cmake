@@ -72,7 +72,7 @@ tested_by(adapters/http_page_source adapters/curl_connection adapters/http_optio
 tested_by(build build/build_progress)
 tested_by(approximation/color_cube/cube_lanes approximation/placed/placed_splats)
 tested_by(frame/kept_images frame/cell_image)
-tested_by(frame/image_maker frame/image_choice frame/draw_with_images)
+tested_by(frame/image_maker frame/image_choice)
 tested_by(approximation/image_cache frame/image_chooser raster/samples/kept_image raster/samples/image_fill
           raster/samples/sliced_buffers)
 tested_by(build/cell_splitter build/build_node build/cell_decision build/small_subtrees)
