@@ -190,8 +190,8 @@ TEST_CASE("an image of images is good within what it inherits, and while that is
         View view;
         view.width = 160;
         view.height = 120;
-        view.camera = Camera::perspective(glm::dvec3(eye), glm::dvec3(eye) + glm::dvec3(0, 0, -1), {0, 1, 0},
-                                          double(field_of_view));
+        view.camera =
+            Camera::perspective(glm::dvec3(eye), glm::dvec3(eye) + glm::dvec3(0, 0, -1), {0, 1, 0}, field_of_view);
         return LocalView(view, {}, 1);
     };
     ImageCacheOptions options{.threshold_px = 4};
