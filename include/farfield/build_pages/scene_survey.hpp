@@ -101,6 +101,7 @@ class SceneSurvey {
             Work work;
         };
         std::vector<Found> found(stream_batches_at_once);
+        WorkSum work_of_all;
         const std::uint64_t count = in_batches<P>(
             stream, build_.control,
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
@@ -115,11 +116,11 @@ class SceneSurvey {
             },
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
                 for (std::size_t i = 0; i < batch.size(); ++i) counts.add(found[slot].places[i]);
-                // Single precision cannot count one by one beyond 2^24.
-                build_.plan.facts.work += found[slot].work;
+                work_of_all.add(found[slot].work);
                 report(BuildPhase::counting, first + batch.size(), build_.plan.facts.primitive_count);
             });
         check_stream(count);
+        build_.plan.facts.work = work_of_all.total();
         counts.sum_up();
         return counts;
     }
