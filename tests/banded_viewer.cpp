@@ -155,7 +155,7 @@ TEST_CASE("bands and tiles are the whole picture, byte for byte, in every render
         view.height = 1 + int(random.below(150));
         const float tolerances[] = {0, 0.7f, 1, 2, 4};
         view.tolerance_px = tolerances[random.below(5)];
-        if (i % 2 == 1) view.camera.off_center = {random.unit() - 0.5, 2 * random.unit() - 1};
+        if (i % 2 == 1) view.camera.off_center = {double(random.unit()) - 0.5, 2 * double(random.unit()) - 1};
         check_all(view, random);
     }
 }
@@ -199,6 +199,38 @@ TEST_CASE("frames of changing sizes and views follow one another in one banded v
         const FrameStats sum = viewer.frame(view, ThreadExecutor(2)), stats = plain.frame(view);
         CHECK(viewer.image() == at_once.image());
         CHECK(sum.approximations >= stats.approximations);
+    }
+}
+
+TEST_CASE("bands become even in work, alike on any number of threads, and the picture stays what it is") {
+    // All of it lies along the lower edge of the picture.
+    const Triangles triangles = moved(random_triangles(4000, 278, 0.03f), 0.15f, {0, -0.8f, 0});
+    const auto h = build<Tensors>(triangles, {.sampler = light});
+    const auto make = [](std::size_t) { return ZBufferRenderer({.light = light}); };
+    auto one = make_banded_viewer(h, triangles, 4, make), three = make_banded_viewer(h, triangles, 4, make);
+    ZBufferRenderer at_once({.light = light});
+    auto plain = make_viewer(h, triangles, at_once);
+    View view = looking({0, 0, 2.5});
+    view.width = 90;
+    view.height = 250;
+    for (int i = 0; i < 8; ++i) {
+        view.tolerance_px = 0.5f * float(i % 3);
+        one.frame(view);
+        three.frame(view, ThreadExecutor(3));
+        plain.frame(view);
+        CHECK(one.image() == at_once.image());
+        CHECK(three.image() == at_once.image());
+        REQUIRE(one.drawn_bands() == 4);
+        int rows = 0;
+        for (std::size_t band = 0; band < 4; ++band) {
+            const int its = one.renderer(band).image().height();
+            CHECK(its == three.renderer(band).image().height());
+            CHECK(its % 8 == (band == 3 ? 250 % 8 : 0));
+            rows += its;
+        }
+        CHECK(rows == 250);
+        if (i == 0) CHECK(one.renderer(0).image().height() == 64);
+        if (i > 3) CHECK(one.renderer(0).image().height() > 128);
     }
 }
 
