@@ -202,38 +202,6 @@ TEST_CASE("frames of changing sizes and views follow one another in one banded v
     }
 }
 
-TEST_CASE("bands become even in work, alike on any number of threads, and the picture stays what it is") {
-    // All of it lies along the lower edge of the picture.
-    const Triangles triangles = moved(random_triangles(4000, 278, 0.03f), 0.15f, {0, -0.8f, 0});
-    const auto h = build<Tensors>(triangles, {.sampler = light});
-    const auto make = [](std::size_t) { return ZBufferRenderer({.light = light}); };
-    auto one = make_banded_viewer(h, triangles, 4, make), three = make_banded_viewer(h, triangles, 4, make);
-    ZBufferRenderer at_once({.light = light});
-    auto plain = make_viewer(h, triangles, at_once);
-    View view = looking({0, 0, 2.5});
-    view.width = 90;
-    view.height = 250;
-    for (int i = 0; i < 8; ++i) {
-        view.tolerance_px = 0.5f * float(i % 3);
-        one.frame(view);
-        three.frame(view, ThreadExecutor(3));
-        plain.frame(view);
-        CHECK(one.image() == at_once.image());
-        CHECK(three.image() == at_once.image());
-        REQUIRE(one.drawn_bands() == 4);
-        int rows = 0;
-        for (std::size_t band = 0; band < 4; ++band) {
-            const int its = one.renderer(band).image().height();
-            CHECK(its == three.renderer(band).image().height());
-            CHECK(its % 8 == (band == 3 ? 250 % 8 : 0));
-            rows += its;
-        }
-        CHECK(rows == 250);
-        if (i == 0) CHECK(one.renderer(0).image().height() == 64);
-        if (i > 3) CHECK(one.renderer(0).image().height() > 128);
-    }
-}
-
 TEST_CASE("bands keep one copy of what they draw") {
     const World& w = world();
     const auto copies = [&](auto make) {

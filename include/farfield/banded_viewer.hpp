@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
-#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -37,9 +36,8 @@ concept HasImage = requires(const R& r) {
 /// Draws what a Viewer draws, byte for byte: bands are tiles (View::tile) as wide as the picture. It is the same on any
 /// number of threads. Borrows hierarchy and primitives, which outlive it; the renderers are its own.
 ///
-/// Bands are cut anew for each frame, each as much work as the others in the frame before, so that few are enough: what
-/// two show is visited twice, and the more bands there are the more of it (bench/README.md). Where renderers share
-/// sources (RendererFacts), all bands together keep one copy of the primitives.
+/// Bands of 32 rows or more cost little more than the picture at once; four bands a thread or more even out what
+/// differs in work. Where renderers share sources (RendererFacts), all bands together keep one copy of the primitives.
 template <class H, class P, class R>
 class BandedViewer {
     static_assert(
@@ -67,9 +65,8 @@ class BandedViewer {
     BandedViewer(const H&&, std::span<const P>, std::size_t, MakeRenderer&&) = delete;
 
     /// Draws all bands; executor(count, f) calls f(0) ... f(count - 1), on any threads (AnyExecutor, ThreadExecutor).
-    /// Counts are those of all bands together: what lies in two is counted twice, and where bands are cut depends on
-    /// the frames before. If bands throw, the executor decides what is thrown (ThreadExecutor: what the uppermost
-    /// threw); the next frame is as if there had been no other.
+    /// Counts are those of all bands together: what lies in two is counted twice. If bands throw, the executor decides
+    /// what is thrown (ThreadExecutor: what the uppermost threw); the next frame is as if there had been no other.
     template <class Executor = SerialExecutor>
     FrameStats frame(const View& view, const Executor& executor = {}) {
         view.validate();
@@ -78,7 +75,6 @@ class BandedViewer {
         }
         drawn_bands_ = place_bands(view.height);
         executor(drawn_bands_, [&](std::size_t i) { draw(bands_[i], view); });
-        learn_work(view.width);
         FrameStats sum;
         for (std::size_t i = 0; i < drawn_bands_; ++i) sum += bands_[i].stats;
         return sum;
@@ -110,54 +106,17 @@ class BandedViewer {
         return 0;
     }
 
-    /// Bands are as even in work as blocks of rows allow, as far as the frames before tell. Returns how many have rows.
+    /// Returns how many bands have rows.
     std::size_t place_bands(int height) {
-        const std::size_t blocks = std::size_t((height - 1) / rows_of_blocks + 1);
-        if (height != height_) {
-            work_.assign(blocks, 1.0f);
-            height_ = height;
+        const auto count = int(std::min(bands_.size(), std::size_t(height)));
+        const int even = (height - 1) / count + 1;
+        const int rows = (even - 1) / rows_of_blocks * rows_of_blocks + rows_of_blocks;
+        std::size_t used = 0;
+        for (int row = 0; row < height; row += rows) {
+            bands_[used].first_row = row;
+            bands_[used++].end_row = std::min(row + rows, height);
         }
-        double left = std::accumulate(work_.begin(), work_.end(), 0.0);
-        const std::size_t count = std::min(bands_.size(), blocks);
-        std::size_t block = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t others = count - 1 - i;
-            const double share = left / double(count - i);
-            double its = 0;
-            const std::size_t first = block;
-            do its += double(work_[block++]);
-            while (block < blocks - others && (others == 0 || its + 0.5 * double(work_[block]) <= share));
-            left -= its;
-            bands_[i].first_row = int(first) * rows_of_blocks;
-            bands_[i].end_row = std::min(int(block) * rows_of_blocks, height);
-        }
-        return count;
-    }
-
-    /// What a frame's work was, in counts, so that bands are the same on any number of threads. What is known within a
-    /// band is kept, and scaled.
-    void learn_work(int width) {
-        const auto blocks_of = [&](const Band& band) {
-            const auto first = work_.begin() + band.first_row / rows_of_blocks;
-            return std::pair(first, first + ((band.end_row - band.first_row - 1) / rows_of_blocks + 1));
-        };
-        const float least = ns_a_pixel * float(rows_of_blocks) * float(width);
-        for (std::size_t i = 0; i < drawn_bands_; ++i) {
-            const auto [first, end] = blocks_of(bands_[i]);
-            const double known = std::accumulate(first, end, 0.0);
-            const float scale = float(work_of(bands_[i], width) / known);
-            for (auto work = first; work != end; ++work) *work = std::max(*work * scale, least);
-        }
-    }
-
-    static constexpr float ns_a_pixel = 2;  ///< that is cleared and resolved
-
-    /// In nanoseconds, about: what is drawn differs less in price than bands do in how much of it they have.
-    static double work_of(const Band& band, int width) {
-        const FrameStats& s = band.stats;
-        const double px = double(width) * double(band.end_row - band.first_row);
-        return double(ns_a_pixel) * px + 25 * double(s.cells_visited) + 60 * double(s.splats + s.faces) +
-               20 * double(s.runs) + 10 * double(s.primitives);
+        return used;
     }
 
     void draw(Band& band, const View& view) {
@@ -175,8 +134,6 @@ class BandedViewer {
 
     std::vector<Band> bands_;
     std::size_t drawn_bands_ = 0;
-    int height_ = 0;
-    std::vector<float> work_;  ///< of each block of rows: in the frames before, in any unit
     Image image_;
 };
 
