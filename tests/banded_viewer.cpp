@@ -155,7 +155,7 @@ TEST_CASE("bands and tiles are the whole picture, byte for byte, in every render
         view.height = 1 + int(random.below(150));
         const float tolerances[] = {0, 0.7f, 1, 2, 4};
         view.tolerance_px = tolerances[random.below(5)];
-        if (i % 2 == 1) view.camera.off_center = {random.unit() - 0.5, 2 * random.unit() - 1};
+        if (i % 2 == 1) view.camera.off_center = {double(random.unit()) - 0.5, 2 * double(random.unit()) - 1};
         check_all(view, random);
     }
 }
