@@ -35,6 +35,17 @@ void sort_by_law(std::span<FarRecord> records) {
     std::copy_n(sorted.begin(), count, records.begin());
 }
 
+/// Programs with CLIPS give distances to planes.
+void cut_by_depths(bool is_wanted) {
+    for (GLenum i = 0; i < 2; ++i) {
+        if (is_wanted) {
+            glEnable(GL_CLIP_DISTANCE0 + i);
+        } else {
+            glDisable(GL_CLIP_DISTANCE0 + i);
+        }
+    }
+}
+
 void set_scissor(const ScreenRectangle& part, int scale) {
     glScissor(part.left * scale, part.top * scale, part.width() * scale, part.height() * scale);
     glEnable(GL_SCISSOR_TEST);
@@ -85,13 +96,7 @@ void Painter::paint(const Picture& picture, const Sources& sources, const KeptIm
     } else {
         glEnable(GL_DEPTH_CLAMP);
     }
-    for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) {
-        if (options.depth.clips) {
-            glEnable(distance);
-        } else {
-            glDisable(distance);
-        }
-    }
+    cut_by_depths(options.depth.clips);
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_STENCIL_TEST);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -300,7 +305,7 @@ void Painter::ask_what_is_hidden(const PaintOptions& options) {
     glDepthFunc(GL_GEQUAL);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glDisable(GL_SCISSOR_TEST);
-    for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+    cut_by_depths(false);
     glUseProgram(programs_.get(Shader::bounds));
     glBindVertexArray(far_.name());
     glVertexArrayVertexBuffer(far_.name(), views_binding, now_->views.name(), 0, sizeof(ViewRow));
@@ -310,9 +315,7 @@ void Painter::ask_what_is_hidden(const PaintOptions& options) {
         glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 14, 1, box.view);
         ++stats.draw_calls;
     });
-    if (options.depth.clips) {
-        for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glEnable(distance);
-    }
+    cut_by_depths(options.depth.clips);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthFunc(GL_GREATER);
 }
@@ -372,14 +375,12 @@ void Painter::draw_far(const Picture& picture, const Sources& sources, const Kep
         glUseProgram(programs_.get(Shader::copied_depth));
         glUniform1i(11, options.lanes);
         glBindTextureUnit(2, target.depth.name());
-        for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+        cut_by_depths(false);
         glBindVertexArray(far_.name());
         glDrawArrays(GL_TRIANGLES, 0, 3);
         ++stats.draw_calls;
         glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-        if (options.depth.clips) {
-            for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glEnable(distance);
-        }
+        cut_by_depths(options.depth.clips);
     }
     glDepthFunc(GL_GREATER);
     glDepthMask(GL_FALSE);
@@ -451,7 +452,7 @@ void Painter::composite(Target& target, GLuint to, const PaintOptions& options) 
     glViewport(0, 0, options.width, options.height);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_SCISSOR_TEST);
-    for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+    cut_by_depths(false);
     const GLfloat no_depth[4] = {-1e30f, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, &options.background.x);
     if (options.quad_depth) glClearBufferfv(GL_COLOR, 1, no_depth);
