@@ -4,9 +4,10 @@ farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev zlib1g-dev 
     nlohmann-json3-dev libcurl4-openssl-dev)
 # For bench/run.sh and .ci/run.
 farfield_chart_packages=(gnuplot-nox)
-# For .ci/run: a second compiler, formatting, the reference; ccache makes the next run short.
-farfield_check_packages=(clang libclang-rt-14-dev clang-format-14 doxygen ccache nginx-light libglfw3-dev libimgui-dev
-    libepoxy-dev xvfb xdotool)
+# For .ci/run: a second compiler, formatting, the reference, OpenGL without a graphics card, windows that nobody sees;
+# ccache makes the next run short.
+farfield_check_packages=(clang libclang-rt-14-dev clang-format-14 doxygen ccache nginx-light libepoxy-dev libegl-dev
+    libegl-mesa0 libgl1-mesa-dri libglfw3-dev libimgui-dev xvfb xdotool)
 # For whoever wants others' renderers in bench_coverage_peers; nothing installs them unasked.
 farfield_peer_packages=(libembree-dev libepoxy-dev libegl-dev libegl-mesa0 libgl1-mesa-dri)
 

@@ -1,7 +1,9 @@
 // Records that stay on the GPU from frame to frame, in chunks that are found by their contents.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -34,16 +36,21 @@ std::uint64_t hash_of(std::uint64_t hash, const Record& record) {
 /// Consecutive records of one view, so many that a hash of the last one says that it ends here: where something comes
 /// or goes, only the chunk around it changes, and not all that follow.
 struct Chunk {
-    static constexpr std::uint32_t mean = 128, most = 512;
+    static constexpr std::uint32_t most = 512;  ///< records
+    /// How many hold a picture, about; and how many records each then has on average, a power of two.
+    static constexpr std::size_t wanted = 512;
+    static std::uint32_t mean(std::size_t records) {
+        return std::uint32_t(std::bit_floor(std::clamp<std::size_t>(records / wanted, 8, 128)));
+    }
 
     std::uint32_t first = 0, count = 0;  ///< in the picture's list of records
     std::uint32_t view = 0;
     std::uint64_t hash = 0;  ///< of the records, equal for equal ones: 2^-64 times the square of their number is what
                              ///< may go wrong
-    // Of stand-ins:
-    std::array<std::uint16_t, 3> of_law{};  ///< how many have each law
-    bool is_of_faces = false;               ///< all are faces; else all are splats
-    Box box = Box::empty();                 ///< that holds them
+    Box box = Box::empty();  ///< that holds them
+    std::array<std::uint16_t, 3> of_law{};  ///< of stand-ins: how many have each law
+    std::uint8_t cell_law = 0;              ///< of triangles: CellLaw
+    bool is_of_faces = false;               ///< stand-ins are all faces; else all are splats
 };
 
 /// Instances that show the same part of a hierarchy have equal chunks, which are there once. New chunks are put one

@@ -105,10 +105,10 @@ struct HeadlessContext::Handles {
 
     ~Handles() {
         if (display == EGL_NO_DISPLAY) return;
-        eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-        if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
+        if (context == EGL_NO_CONTEXT) return;
+        if (eglGetCurrentContext() == context) eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        eglDestroyContext(display, context);
         // Not eglTerminate: others may have the same display.
-        eglReleaseThread();
     }
 };
 

@@ -29,24 +29,24 @@ namespace detail {
 inline std::uint32_t packed(Rgba8 c) {
     return c.r | std::uint32_t(c.g) << 8 | std::uint32_t(c.b) << 16 | std::uint32_t(c.a) << 24;
 }
-inline std::uint32_t length_bits(float length) { return std::bit_cast<std::uint32_t>(length) & 0x7fffffffu; }
+inline std::uint32_t length_bits(float length) {
+    return std::bit_cast<std::uint32_t>(length) & 0x7fffffffu;
+}
 }  // namespace detail
 
 /// A face whose opacity is above 0.
 inline FarRecord record_of(const Face& face) {
     const unsigned axis = face.side / 2u;
     const int first = int(axis + 1) % 3, second = int(axis + 2) % 3;
-    return {face.lower,
-            (detail::length_bits(face.upper[first] - face.lower[first]) | 1u) | (axis & 1u) << 31,
+    return {face.lower, (detail::length_bits(face.upper[first] - face.lower[first]) | 1u) | (axis & 1u) << 31,
             detail::length_bits(face.upper[second] - face.lower[second]) | (axis >> 1) << 31,
             detail::packed(face.rgba)};
 }
 
 inline FarRecord record_of(const Splat& splat) {
     const unsigned law = splat.rgb.a & 3u;
-    const auto opacity = std::uint32_t(std::clamp(splat.opacity, 0.0f, 1.0f) * float(0xffffff) + 0.5f);
-    return {splat.center,
-            (detail::length_bits(splat.size.x) & ~0x1ffu) | (opacity & 255u) << 1 | (law & 1u) << 31,
+    const auto opacity = std::uint32_t(double(std::clamp(splat.opacity, 0.0f, 1.0f)) * 0xffffff + 0.5);
+    return {splat.center, (detail::length_bits(splat.size.x) & ~0x1ffu) | (opacity & 255u) << 1 | (law & 1u) << 31,
             (detail::length_bits(splat.size.y) & ~0xffu) | (opacity >> 8 & 255u) | (law >> 1) << 31,
             (detail::packed(splat.rgb) & 0xffffffu) | (opacity >> 16) << 24};
 }

@@ -80,7 +80,7 @@ struct GlRenderer::State {
     Texture resolved;
     Framebuffer resolved_framebuffer;
     int resolved_width = 0, resolved_height = 0, width = 0, height = 0;
-    std::optional<LocalView> frame_view, image_view;
+    std::optional<LocalView> frame_view, image_view, local_view;
     int image_side = 1;
     std::vector<ImageSlice> slices;
     KeptImages images;
@@ -94,23 +94,38 @@ struct GlRenderer::State {
     const DirectionalLight* light_of(const LocalView& view) {
         if (!options.light) return nullptr;
         local_light = *options.light;
-        local_light.towards =
-            view.right * light_in_view.x + view.up * light_in_view.y + view.forward * light_in_view.z;
+        local_light.towards = view.right * light_in_view.x + view.up * light_in_view.y + view.forward * light_in_view.z;
         return &local_light;
     }
-    void set_view(const LocalView& view) { now->set_view(view, light_of(view)); }
+    void set_view(const LocalView& view) {
+        local_view = view;
+        now->set_view(view, light_of(view));
+    }
 };
 
-GlRenderer::GlRenderer(const GlOptions& options)
-    : state_((require_opengl(), std::make_unique<State>(options))) {}
+GlRenderer::GlRenderer(const GlOptions& options) : state_((require_opengl(), std::make_unique<State>(options))) {}
 GlRenderer::~GlRenderer() = default;
 
-const std::optional<DirectionalLight>& GlRenderer::light() const { return state_->options.light; }
-const GlFrameStats& GlRenderer::stats() const { return state_->stats; }
-std::weak_ptr<const void> GlRenderer::lifetime() const { return state_->alive; }
-float GlRenderer::largest_splat_px() const { return 2.0f / float(state_->side); }
-bool GlRenderer::deposits_primitives() const { return false; }
-bool GlRenderer::hidden(const Cell&, CellId) { return false; }
+const std::optional<DirectionalLight>& GlRenderer::light() const {
+    return state_->options.light;
+}
+const GlFrameStats& GlRenderer::stats() const {
+    return state_->stats;
+}
+std::weak_ptr<const void> GlRenderer::lifetime() const {
+    return state_->alive;
+}
+float GlRenderer::largest_splat_px() const {
+    return 2.0f / float(state_->side);
+}
+bool GlRenderer::deposits_primitives() const {
+    return state_->options.deposits_small_triangles;
+}
+bool GlRenderer::hidden(const Cell& cell, CellId id) {
+    State& s = *state_;
+    if (!s.options.asks_what_is_hidden || s.now != &s.frame) return false;
+    return s.painter.occlusion.hidden(cell, id, *s.local_view, [&] { return s.frame.view(); });
+}
 
 std::uint32_t GlRenderer::keep(std::shared_ptr<const TriangleSource> source) {
     auto& sources = state_->sources;
@@ -120,8 +135,12 @@ std::uint32_t GlRenderer::keep(std::shared_ptr<const TriangleSource> source) {
     sources[slot] = std::move(source);
     return std::uint32_t(slot);
 }
-std::uint32_t GlRenderer::share(const GlRenderer& other, std::uint32_t id) { return keep(other.state_->sources[id]); }
-void GlRenderer::release(std::uint32_t id) { state_->sources[id].reset(); }
+std::uint32_t GlRenderer::share(const GlRenderer& other, std::uint32_t id) {
+    return keep(other.state_->sources[id]);
+}
+void GlRenderer::release(std::uint32_t id) {
+    state_->sources[id].reset();
+}
 std::size_t GlRenderer::uploaded_bytes() const {
     std::size_t sum = 0;
     for (const auto& source : state_->sources) sum += source ? source->bytes() : 0;
@@ -134,6 +153,7 @@ void GlRenderer::begin_frame(const LocalView& view) {
     s.now = &s.frame;  // an exception may have ended the last frame in an image
     s.frame_view = view;
     s.painter.stats = {};
+    if (s.options.asks_what_is_hidden) s.painter.occlusion.begin_frame();
     if (s.options.light) {
         const glm::vec3 l = s.options.light->towards;
         s.light_in_view = {glm::dot(l, view.right), glm::dot(l, view.up), glm::dot(l, view.forward)};
@@ -141,7 +161,9 @@ void GlRenderer::begin_frame(const LocalView& view) {
     s.frame.begin(view);
     s.set_view(view);
 }
-void GlRenderer::set_view(const LocalView& view) { state_->set_view(view); }
+void GlRenderer::set_view(const LocalView& view) {
+    state_->set_view(view);
+}
 
 void GlRenderer::end_frame() {
     State& s = *state_;
@@ -156,6 +178,7 @@ void GlRenderer::end_frame() {
         s.resolved_width = s.width;
         s.resolved_height = s.height;
     }
+    s.frame.end();
     PaintOptions options = paint_options(view, s.side);
     options.lanes = s.options.lanes;
     options.background = to_vec4(s.options.background);
@@ -167,7 +190,9 @@ void GlRenderer::end_frame() {
     s.is_read = false;
 }
 
-GLuint GlRenderer::texture() const { return state_->resolved.name(); }
+GLuint GlRenderer::texture() const {
+    return state_->resolved.name();
+}
 
 const Image& GlRenderer::image() const {
     const State& s = *state_;
@@ -189,12 +214,12 @@ void GlRenderer::present(GLuint framebuffer, int width, int height) const {
 void GlRenderer::draw(std::uint32_t source, std::span<const Range> ranges) {
     const TriangleSource& triangles = *state_->sources[source];
     for (const Range& r : ranges) {
-        state_->now->add_run(source, triangles.origin, triangles.first_of(r.first),
+        state_->now->add_run(source, cell_law(r.law), triangles.origin, triangles.first_of(r.first),
                              triangles.first_of(r.first + r.count));
     }
 }
-void GlRenderer::draw(const Polygon& polygon) {
-    for_triangles_of(polygon, [this](const TriangleVertices& t) { state_->now->add(t); });
+void GlRenderer::draw(const Polygon& polygon, const std::optional<AreaLaw>& law) {
+    for_triangles_of(polygon, [&](const TriangleVertices& t) { state_->now->add(t, cell_law(law)); });
 }
 void GlRenderer::draw(std::span<const Face> faces) {
     for (const Face& face : faces) state_->now->add(face);
@@ -228,8 +253,9 @@ std::uint32_t GlRenderer::end_image() {
 void GlRenderer::end_image(std::span<std::uint32_t> handles) {
     State& s = *state_;
     s.now = &s.frame;
+    s.image.end();
     const LocalView& view = *s.image_view;
-    bool is_solid = s.image_side == 1 && s.image.far.chunks.empty();
+    bool is_solid = s.image_side == 1 && s.image.far.chunks.empty() && !s.image.has_laws();
     for (const PlacedImage& placed : s.image.images) is_solid = is_solid && s.images[placed.quad.image].is_solid;
     for (std::size_t i = 0; i < handles.size(); ++i) {
         const ImageSlice& slice = s.slices[i];
@@ -243,12 +269,15 @@ void GlRenderer::end_image(std::span<std::uint32_t> handles) {
         if (slice.nearest != -all || slice.farthest != all) {
             options.slice = glm::vec2(buffer_depth(view, slice.farthest), buffer_depth(view, slice.nearest));
         }
-        s.painter.paint(s.image, s.sources, s.images, s.image_target, s.images[handles[i]].framebuffer.name(),
-                        options);
+        s.painter.paint(s.image, s.sources, s.images, s.image_target, s.images[handles[i]].framebuffer.name(), options);
     }
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
 }
-void GlRenderer::free_image(std::uint32_t image) { state_->images.free(image); }
-std::size_t GlRenderer::image_bytes(int width, int height) const { return KeptImages::bytes(width, height); }
+void GlRenderer::free_image(std::uint32_t image) {
+    state_->images.free(image);
+}
+std::size_t GlRenderer::image_bytes(int width, int height) const {
+    return KeptImages::bytes(width, height);
+}
 
 }  // namespace farfield::opengl

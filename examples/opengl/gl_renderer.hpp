@@ -28,6 +28,13 @@ struct GlOptions {
     Rgba8 background{0, 0, 0, 0};             ///< premultiplied
     std::optional<DirectionalLight> light{};  ///< in the outermost hierarchy's axes; none: colors as they are
     bool culls_back_faces = false;            ///< for closed surfaces that are counter-clockwise seen from outside
+    /// Triangles smaller than two samples cover a part of each, by their cell's area law, instead of all or nothing.
+    /// This holds for ranges with a law only; an exact picture is always point sampled. Those of meshes are never
+    /// deposited.
+    bool deposits_small_triangles = true;
+    /// Cells that were hidden some frames ago, by geometry, are not drawn: what comes into sight may be missing for so
+    /// many. Without it nothing is hidden.
+    bool asks_what_is_hidden = false;
     /// What stands in covers each sample in lanes x lanes parts, 1, 2 or 4 a side: things side by side in a lane go for
     /// things behind one another.
     int lanes = 2;
@@ -95,7 +102,7 @@ class GlRenderer {
         if (!source.changes) return draw(source.id, ranges);
         for (const Range& r : ranges) {
             for (std::uint32_t at = r.first; at < r.first + r.count; ++at) {
-                source.polygons(at, [this](const Polygon& polygon) { draw(polygon); });
+                source.polygons(at, [&](const Polygon& polygon) { draw(polygon, r.law); });
             }
         }
     }
@@ -117,7 +124,7 @@ class GlRenderer {
   private:
     std::uint32_t keep(std::shared_ptr<const TriangleSource> source);
     void draw(std::uint32_t source, std::span<const Range> ranges);
-    void draw(const Polygon& polygon);
+    void draw(const Polygon& polygon, const std::optional<AreaLaw>& law);
 
     struct State;
     std::unique_ptr<State> state_;

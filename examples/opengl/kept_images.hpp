@@ -14,9 +14,9 @@ namespace farfield::opengl {
 struct KeptImage {
     Texture color, depth;
     Framebuffer framebuffer;
-    int width = 0, height = 0;            ///< of the image
+    int width = 0, height = 0;              ///< of the image
     int whole_width = 0, whole_height = 0;  ///< of the textures
-    bool is_solid = true;                 ///< texels are covered or not, none in part
+    bool is_solid = true;                   ///< texels are covered or not, none in part
     bool is_used = false;
 };
 

@@ -50,8 +50,14 @@ using VertexArray = Object<ObjectKind::vertex_array>;
 using Program = Object<ObjectKind::program>;
 using Query = Object<ObjectKind::query>;
 
-inline Buffer make_buffer() { return Buffer(GL_NONE); }
-inline Framebuffer make_framebuffer() { return Framebuffer(GL_NONE); }
-inline VertexArray make_vertex_array() { return VertexArray(GL_NONE); }
+inline Buffer make_buffer() {
+    return Buffer(GL_NONE);
+}
+inline Framebuffer make_framebuffer() {
+    return Framebuffer(GL_NONE);
+}
+inline VertexArray make_vertex_array() {
+    return VertexArray(GL_NONE);
+}
 
 }  // namespace farfield::opengl

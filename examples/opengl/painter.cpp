@@ -11,7 +11,7 @@ namespace {
 
 /// Stand-ins of different laws are drawn in different states, two calls for so many of them; within, those that are
 /// strewn come before those that are surfaces. So there are never more calls than this, however many stand-ins.
-constexpr std::size_t most_slabs = 96;
+constexpr std::size_t most_slabs = 512;
 constexpr GLuint vertices_binding = 0, views_binding = 1;
 
 void set_view_attributes(GLuint array) {
@@ -35,6 +35,11 @@ void sort_by_law(std::span<FarRecord> records) {
     std::copy_n(sorted.begin(), count, records.begin());
 }
 
+void set_scissor(const ScreenRectangle& part, int scale) {
+    glScissor(part.left * scale, part.top * scale, part.width() * scale, part.height() * scale);
+    glEnable(GL_SCISSOR_TEST);
+}
+
 const void* at_word(std::size_t word) {
     return reinterpret_cast<const void*>(word * sizeof(std::uint32_t));
 }
@@ -45,7 +50,9 @@ Painter::Painter()
     : triangles_(make_vertex_array()),
       far_(make_vertex_array()),
       corners_(make_buffer()),
-      records_(GL_TEXTURE_BUFFER) {
+      records_(GL_TEXTURE_BUFFER),
+      whole_triangles_(GL_TEXTURE_BUFFER) {
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most_texels_);
     for (const GLuint array : {triangles_.name(), far_.name()}) set_view_attributes(array);
     for (const GLuint attribute : {0u, 1u}) {
         glEnableVertexArrayAttrib(triangles_.name(), attribute);
@@ -62,12 +69,13 @@ Painter::Painter()
     glVertexArrayElementBuffer(far_.name(), corners_.name());
 }
 
-void Painter::paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
-                    GLuint to, const PaintOptions& options) {
+void Painter::paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target, GLuint to,
+                    const PaintOptions& options) {
     now_ = &lists_[options.quad_depth ? 1 : 0];
     geometry_calls_.clear();
     far_calls_.clear();
     words_.clear();
+    deposits_triangles_ = false;
     upload(picture, sources);
     add_far_calls(picture, images);
     stats.uploaded_bytes += now_->commands.update(words_);
@@ -88,9 +96,10 @@ void Painter::paint(const Picture& picture, const Sources& sources, const KeptIm
     glDisable(GL_STENCIL_TEST);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, now_->commands.name());
+    find_parts(picture, sources, images, options);
     draw_geometry(picture, sources, images, target, options);
-    far_part_ = far_part(picture, images, options);
-    if (!far_part_.is_empty()) draw_far(picture, images, target, options);
+    if (!options.quad_depth && occlusion.asks()) ask_what_is_hidden(options);
+    if (!far_part_.is_empty()) draw_far(picture, sources, images, target, options);
     composite(target, to, options);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
     glBindVertexArray(0);
@@ -116,6 +125,10 @@ void Painter::upload(const Picture& picture, const Sources& sources) {
     for (std::size_t i = 0; i < runs.size(); ++i) {
         begin_call(Call::Kind::runs, i);
         geometry_calls_.back().count = runs[i].runs.size();
+        const TriangleSource& source = *sources[runs[i].source];
+        const bool can_deposit = !source.is_indexed && 3 * std::size_t(source.triangles) <= std::size_t(most_texels_);
+        geometry_calls_.back().law = can_deposit ? runs[i].law : no_law;
+        deposits_triangles_ = deposits_triangles_ || geometry_calls_.back().law != no_law;
         const bool is_indexed = sources[runs[i].source]->is_indexed;
         for (const TriangleRun& run : runs[i].runs) {
             if (is_indexed) {
@@ -128,10 +141,19 @@ void Painter::upload(const Picture& picture, const Sources& sources) {
     if (picture.streamed.chunks.empty()) return;
     stats.uploaded_bytes +=
         streamed_store_.update(picture.streamed.chunks, picture.streamed.records, [](std::span<TriangleVertices>) {});
-    begin_call(Call::Kind::streamed);
-    geometry_calls_.back().count = picture.streamed.chunks.size();
-    for (const Chunk& c : picture.streamed.chunks) {
-        add_command(ArraysCommand{3 * c.count, 1, 3 * streamed_store_.place_of(c), c.view});
+    for (CellLaw law = 0; law <= no_law; ++law) {
+        begin_call(Call::Kind::streamed);
+        geometry_calls_.back().law = law;
+        for (const Chunk& c : picture.streamed.chunks) {
+            if (c.cell_law != law) continue;
+            add_command(ArraysCommand{3 * c.count, 1, 3 * streamed_store_.place_of(c), c.view});
+            ++geometry_calls_.back().count;
+        }
+        if (geometry_calls_.back().count == 0) {
+            geometry_calls_.pop_back();
+        } else {
+            deposits_triangles_ = deposits_triangles_ || law != no_law;
+        }
     }
 }
 
@@ -146,7 +168,11 @@ void Painter::add_far_calls(const Picture& picture, const KeptImages& images) {
     for (std::size_t i = 0; i <= picture.images.size(); ++i) {
         const bool is_end = i == picture.images.size();
         if (!is_end && images[picture.images[i].quad.image].is_solid) continue;
-        const std::size_t end = is_end ? chunks.size() : picture.images[i].first_chunk;
+        const auto before = [&](const Chunk& c, std::size_t record) { return c.first < record; };
+        const auto end_of = [&](std::size_t record) {
+            return std::size_t(std::lower_bound(chunks.begin(), chunks.end(), record, before) - chunks.begin());
+        };
+        const std::size_t end = is_end ? chunks.size() : end_of(picture.images[i].first_record);
         add_far_chunks(std::span(chunks).subspan(next, end - next));
         next = end;
         if (!is_end) begin_call(Call::Kind::image, i);
@@ -175,17 +201,29 @@ void Painter::add_far_chunks(std::span<const Chunk> chunks) {
     }
 }
 
-ScreenRectangle Painter::far_part(const Picture& picture, const KeptImages& images,
-                                  const PaintOptions& options) const {
-    DrawnPart part(options.width, options.height);
-    for (const Chunk& c : picture.far.chunks) part.add(c.box, picture.rows[c.view]);
+void Painter::find_parts(const Picture& picture, const Sources& sources, const KeptImages& images,
+                         const PaintOptions& options) {
+    DrawnPart far_part(options.width, options.height), part = far_part;
+    for (const Chunk& c : picture.far.chunks) far_part.add(c.box, picture.rows[c.view]);
+    for (const Chunk& c : picture.streamed.chunks) part.add(c.box, picture.rows[c.view]);
+    for (const RunsOfSource& of_source : picture.runs()) {
+        std::uint32_t last = ~std::uint32_t(0);
+        for (const TriangleRun& run : of_source.runs) {
+            if (run.local_view == last) continue;
+            last = run.local_view;
+            part.add(sources[of_source.source]->box, picture.rows[last]);
+        }
+    }
     for (const PlacedImage& placed : picture.images) {
         const ImageQuad& q = placed.quad;
-        if (images[q.image].is_solid) continue;
+        DrawnPart& to = images[q.image].is_solid ? part : far_part;
         for (const glm::vec3 corner : {q.corner, q.corner + q.across, q.corner + q.down, q.corner + q.across + q.down})
-            part.add(corner, picture.rows[placed.view]);
+            to.add(corner, picture.rows[placed.view]);
     }
-    return part.rectangle();
+    if (deposits_triangles_) far_part.add(part);
+    part.add(far_part);
+    far_part_ = far_part.rectangle();
+    part_ = part.rectangle();
 }
 
 GLuint Painter::use(Shader shader, unsigned features, const PaintOptions& options) {
@@ -208,6 +246,7 @@ void Painter::draw_geometry(const Picture& picture, const Sources& sources, cons
     glDepthFunc(GL_GREATER);
     glDisable(GL_BLEND);
     const GLfloat nothing = 0;
+    set_scissor(part_, options.side);
     glClearBufferfv(GL_COLOR, 0, &options.background.x);
     glClearBufferfv(GL_DEPTH, 0, &nothing);
     if (options.culls_back_faces) {
@@ -225,9 +264,18 @@ void Painter::draw_geometry(const Picture& picture, const Sources& sources, cons
         v.buffer = streamed_store_.name();
         if (!is_streamed) v = source->vertices;
         const bool translucent = is_streamed ? picture.has_translucent_streamed : source->has_translucent;
-        use(Shader::triangles, (options.light ? LIT : 0u) | (translucent ? TRANSLUCENT : 0u), options);
+        const bool leaves_small = call.law != no_law;
+        use(Shader::triangles,
+            (options.light ? LIT : 0u) | (translucent ? TRANSLUCENT : 0u) | (leaves_small ? LEAVES_SMALL : 0u),
+            options);
         if (options.light) glUniform2f(1, options.light->ambient, options.light->diffuse);
         if (translucent) glUniform2i(2, options.first_sample.x, options.first_sample.y);
+        if (leaves_small) {
+            glTextureBuffer(whole_triangles_.name(), GL_RGBA32UI, v.buffer);
+            glBindTextureUnit(0, whole_triangles_.name());
+            glUniform2f(4, float(width), float(height));
+            glUniform1i(5, AreaLaw(call.law) == AreaLaw::coherent ? 1 : 0);
+        }
         glVertexArrayVertexBuffer(array, vertices_binding, v.buffer, v.first, v.stride);
         glVertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, v.position_offset);
         glVertexArrayAttribFormat(array, 1, 4, GL_UNSIGNED_BYTE, GL_TRUE, v.color_offset);
@@ -246,21 +294,77 @@ void Painter::draw_geometry(const Picture& picture, const Sources& sources, cons
     }
 }
 
-void Painter::draw_far(const Picture& picture, const KeptImages& images, Target& target, const PaintOptions& options) {
+/// Against what was drawn as geometry; what stands in hides nothing here.
+void Painter::ask_what_is_hidden(const PaintOptions& options) {
+    glDepthMask(GL_FALSE);
+    glDepthFunc(GL_GEQUAL);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDisable(GL_SCISSOR_TEST);
+    for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+    glUseProgram(programs_.get(Shader::bounds));
+    glBindVertexArray(far_.name());
+    glVertexArrayVertexBuffer(far_.name(), views_binding, now_->views.name(), 0, sizeof(ViewRow));
+    occlusion.ask([this](const Occlusion::Box& box) {
+        glUniform3fv(1, 1, &box.center.x);
+        glUniform3fv(2, 1, &box.half_size.x);
+        glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 14, 1, box.view);
+        ++stats.draw_calls;
+    });
+    if (options.depth.clips) {
+        for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glEnable(distance);
+    }
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthFunc(GL_GREATER);
+}
+
+GLuint Painter::vertices_of(const Call& call, const Picture& picture, const Sources& sources) const {
+    if (call.kind == Call::Kind::streamed) return streamed_store_.name();
+    return sources[picture.runs()[call.which].source]->vertices.buffer;
+}
+
+/// They are nearer than most of what stands in, and come first; those that are strewn before surfaces.
+void Painter::draw_small_triangles(const Picture& picture, const Sources& sources, glm::vec2 samples,
+                                   const PaintOptions& options) {
+    use(Shader::small_triangles, options.quad_depth ? KEEPS_DEPTHS : 0u, options);
+    const glm::vec2 lanes = samples * float(options.lanes);
+    glUniform2f(0, lanes.x, lanes.y);
+    glUniform2f(4, samples.x, samples.y);
+    glUniform1i(7, options.light ? 1 : 0);
+    glUniform1i(11, options.lanes);
+    glUniform1i(8, !options.culls_back_faces ? 0 : options.is_mirrored ? -1 : 1);
+    if (options.light) glUniform2f(6, options.light->ambient, options.light->diffuse);
+    glBindVertexArray(triangles_.name());
+    for (const bool coherent : {false, true}) {
+        glBlendFunci(0, coherent ? GL_SRC_ALPHA_SATURATE : GL_ONE_MINUS_DST_ALPHA, GL_ONE);
+        glUniform1i(1, coherent ? 1 : 0);
+        for (const Call& call : geometry_calls_) {
+            if (call.law == no_law || AreaLaw(call.law) == (coherent ? AreaLaw::independent : AreaLaw::coherent))
+                continue;
+            glTextureBuffer(whole_triangles_.name(), GL_RGBA32UI, vertices_of(call, picture, sources));
+            glBindTextureUnit(0, whole_triangles_.name());
+            glUniform1i(5, call.law);
+            glMultiDrawArraysIndirect(GL_TRIANGLES, at_word(call.first), GLsizei(call.count), 0);
+            ++stats.draw_calls;
+        }
+    }
+}
+
+void Painter::draw_far(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
+                       const PaintOptions& options) {
     const bool keeps_depths = options.quad_depth.has_value();
     const int width = options.width * options.side * options.lanes;
     const int height = options.height * options.side * options.lanes;
-    target.fit_deposits(width, height, keeps_depths);
+    target.fit_deposits(width, height, keeps_depths, options.lanes == 1);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.deposits.name());
     glViewport(0, 0, width, height);
-    const int scale = options.side * options.lanes;
-    glScissor(far_part_.left * scale, far_part_.top * scale, far_part_.width() * scale, far_part_.height() * scale);
-    glEnable(GL_SCISSOR_TEST);
+    set_scissor(far_part_, options.side * options.lanes);
     const GLfloat nothing[4] = {0, 0, 0, 0}, no_depth[4] = {-1, 0, 0, 0};
     glClearBufferfv(GL_COLOR, 0, nothing);
     if (target.nearest.name() != 0) glClearBufferfv(GL_COLOR, 1, no_depth);
     glDepthMask(GL_TRUE);
-    if (geometry_calls_.empty() && picture.images.empty()) {
+    if (options.lanes == 1) {
+        // The depths are there.
+    } else if (geometry_calls_.empty() && picture.images.empty()) {
         glClearBufferfv(GL_DEPTH, 0, nothing);
     } else {
         glDepthFunc(GL_ALWAYS);
@@ -284,7 +388,8 @@ void Painter::draw_far(const Picture& picture, const KeptImages& images, Target&
         glBlendEquationi(1, GL_MAX);
         glBlendFunci(1, GL_ONE, GL_ONE);
     }
-    glBindTextureUnit(0, records_.name());
+    if (deposits_triangles_)
+        draw_small_triangles(picture, sources, glm::vec2(width, height) / float(options.lanes), options);
     glVertexArrayVertexBuffer(far_.name(), views_binding, now_->views.name(), 0, sizeof(ViewRow));
     std::optional<Call::Kind> state;
     for (const Call& call : far_calls_) {
@@ -299,6 +404,7 @@ void Painter::draw_far(const Picture& picture, const KeptImages& images, Target&
                 use(Shader::far_field, keeps_depths ? KEEPS_DEPTHS : 0u, options);
                 glUniform2f(0, float(width), float(height));
                 glUniform1i(1, call.kind == Call::Kind::coherent ? 1 : 0);
+                glUniform1i(11, options.lanes);
                 glBindVertexArray(far_.name());
                 glBindTextureUnit(0, records_.name());
             }
@@ -344,21 +450,24 @@ void Painter::composite(Target& target, GLuint to, const PaintOptions& options) 
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
     glViewport(0, 0, options.width, options.height);
     glDisable(GL_DEPTH_TEST);
+    glDisable(GL_SCISSOR_TEST);
     for (const GLenum distance : {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1}) glDisable(distance);
+    const GLfloat no_depth[4] = {-1e30f, 0, 0, 0};
+    glClearBufferfv(GL_COLOR, 0, &options.background.x);
+    if (options.quad_depth) glClearBufferfv(GL_COLOR, 1, no_depth);
     // Where samples are pixels, what the far field leaves alone is copied.
     const bool copies = options.side == 1 && !options.quad_depth;
-    const ScreenRectangle& part = far_part_;
+    if (part_.is_empty()) return;
     if (copies) {
-        glBlitNamedFramebuffer(target.geometry.name(), to, 0, 0, options.width, options.height, 0, 0, options.width,
-                               options.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-        if (part.is_empty()) return;
-        glScissor(part.left, part.top, part.width(), part.height());
-        glEnable(GL_SCISSOR_TEST);
+        glBlitNamedFramebuffer(target.geometry.name(), to, part_.left, part_.top, part_.right, part_.bottom, part_.left,
+                               part_.top, part_.right, part_.bottom, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+        if (far_part_.is_empty()) return;
     }
+    set_scissor(copies ? far_part_ : part_, 1);
     glUseProgram(programs_.get(Shader::composite, options.quad_depth ? KEEPS_DEPTHS : 0u));
     glUniform1i(1, options.side);
     glUniform1i(11, options.lanes);
-    glUniform4i(2, part.left, part.top, part.right, part.bottom);
+    glUniform4i(2, far_part_.left, far_part_.top, far_part_.right, far_part_.bottom);
     glBindTextureUnit(0, target.color.name());
     glBindTextureUnit(1, target.far_field.name());
     if (options.quad_depth) {

@@ -15,6 +15,7 @@
 #include "opengl/chunk_store.hpp"
 #include "opengl/kept_images.hpp"
 #include "opengl/mirrored_buffer.hpp"
+#include "opengl/occlusion.hpp"
 #include "opengl/picture.hpp"
 #include "opengl/screen_rectangle.hpp"
 #include "opengl/shaders.hpp"
@@ -32,9 +33,9 @@ struct PaintOptions {
     glm::vec4 background{0};  ///< premultiplied
     std::optional<DirectionalLight> light{};
     bool culls_back_faces = false, is_mirrored = false;
-    glm::ivec2 first_sample{0};  ///< of the whole picture's, relative to its middle
-    glm::ivec2 beside{0};        ///< samples of the whole picture to the left and above
-    std::optional<glm::vec2> slice{};  ///< only what has depths between these, as in the depth buffer
+    glm::ivec2 first_sample{0};         ///< of the whole picture's, relative to its middle
+    glm::ivec2 beside{0};               ///< samples of the whole picture to the left and above
+    std::optional<glm::vec2> slice{};   ///< only what has depths between these, as in the depth buffer
     std::optional<float> quad_depth{};  ///< it is an image: the rectangle's depth, as in the depth buffer
 };
 
@@ -52,11 +53,10 @@ class Painter {
 
     /// Draws into `target` and, as pixels, into a framebuffer of the picture's size, which has a second attachment for
     /// relative depths if it is an image.
-    void paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
-               GLuint to, const PaintOptions& options);
+    void paint(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target, GLuint to,
+               const PaintOptions& options);
 
-    /// Shows of each draw that hides something, once a frame, what can be asked with the depth of the last picture.
-    Programs& programs() { return programs_; }
+    Occlusion occlusion;  ///< asked after the geometry of each frame
 
     PaintStats stats;
 
@@ -72,8 +72,9 @@ class Painter {
     struct Call {
         enum class Kind : unsigned char { runs, streamed, independent, coherent, image };
         Kind kind;
-        std::size_t which = 0;                ///< of the runs, or of the images
-        std::size_t first = 0, count = 0;     ///< commands, in words and in number
+        std::size_t which = 0;             ///< of the runs, or of the images
+        std::size_t first = 0, count = 0;  ///< commands, in words and in number
+        CellLaw law = no_law;              ///< of triangles whose small ones are deposited
     };
 
     void upload(const Picture& picture, const Sources& sources);
@@ -85,10 +86,16 @@ class Painter {
 
     void draw_geometry(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
                        const PaintOptions& options);
-    void draw_far(const Picture& picture, const KeptImages& images, Target& target, const PaintOptions& options);
+    void draw_far(const Picture& picture, const Sources& sources, const KeptImages& images, Target& target,
+                  const PaintOptions& options);
+    void draw_small_triangles(const Picture& picture, const Sources& sources, glm::vec2 samples,
+                              const PaintOptions& options);
+    GLuint vertices_of(const Call& call, const Picture& picture, const Sources& sources) const;
+    void ask_what_is_hidden(const PaintOptions& options);
     void draw_image(const PlacedImage& placed, const KeptImages& images, int mode, int lanes,
                     const PaintOptions& options);
-    ScreenRectangle far_part(const Picture& picture, const KeptImages& images, const PaintOptions& options) const;
+    void find_parts(const Picture& picture, const Sources& sources, const KeptImages& images,
+                    const PaintOptions& options);
     void composite(Target& target, GLuint to, const PaintOptions& options);
     GLuint use(Shader shader, unsigned features, const PaintOptions& options);
 
@@ -99,15 +106,17 @@ class Painter {
 
     Programs programs_;
     VertexArray triangles_, far_;
-    Buffer corners_;  ///< of the records of a chunk, six each
-    Texture records_;
+    Buffer corners_;         ///< of the records of a chunk, six each
+    GLint most_texels_ = 0;  ///< of a buffer
+    Texture records_, whole_triangles_;
     Lists lists_[2];
     Lists* now_ = nullptr;
     ChunkStore<FarRecord> far_store_;
     ChunkStore<TriangleVertices> streamed_store_;
     std::vector<std::uint32_t> words_;  ///< of commands
     std::vector<Call> geometry_calls_, far_calls_;
-    ScreenRectangle far_part_;  ///< in pixels
+    bool deposits_triangles_ = false;
+    ScreenRectangle part_, far_part_;  ///< that is drawn into, and that stand-ins are, in pixels
 };
 
 }  // namespace farfield::opengl

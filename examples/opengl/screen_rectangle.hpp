@@ -47,6 +47,11 @@ class DrawnPart {
         high_ = glm::max(high_, at);
     }
 
+    void add(const DrawnPart& other) {
+        low_ = glm::min(low_, other.low_);
+        high_ = glm::max(high_, other.high_);
+    }
+
     /// With a pixel to spare on each side.
     ScreenRectangle rectangle() const {
         if (!(low_.x <= high_.x)) return {};

@@ -28,9 +28,42 @@ void clip(float depth) {
 #endif
 )";
 
+/// All of a triangle for each of its vertices, and whether it is small: both of its sides below two samples, and not
+/// cut by a plane. (raster/triangles/triangle_triage.inl is what the software renderers do.)
+constexpr const char* whole_triangle_text = R"(
+layout(binding = 0) uniform usamplerBuffer vertices;
+layout(location = 4) uniform vec2 samples;  // of the picture
+vec3 corner_place[3];
+vec4 corner_color[3];
+vec3 corner_at[3];  // in samples, and depth as in the depth buffer
+float area;         // in samples
+bool is_small(int triangle) {
+    bool is_whole = true;
+    for (int i = 0; i < 3; ++i) {
+        uvec4 v = texelFetch(vertices, 3 * triangle + i);
+        corner_place[i] = uintBitsToFloat(v.xyz);
+        corner_color[i] = unpackUnorm4x8(v.w);
+        vec3 d = corner_place[i] - anchor.xyz;
+        float depth = dot(forward.xyz, d);
+        vec4 c = clip_of(d, depth);
+        if (!(depth > depths.z && depth <= depths.w)) is_whole = false;
+        float inverse = 1 / c.w;
+        corner_at[i] = vec3((0.5 + vec2(0.5, -0.5) * c.xy * inverse) * samples, c.z * inverse);
+    }
+    vec2 a = corner_at[0].xy, b = corner_at[1].xy, c = corner_at[2].xy;
+    area = 0.5 * abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y));
+    vec2 sides = max(max(a, b), c) - min(min(a, b), c);
+    return is_whole && all(lessThan(sides, vec2(2))) && area > 0;
+}
+)";
+
 constexpr const char* triangles_vertex = R"(
+#ifdef LEAVES_SMALL
+layout(location = 5) uniform int draws_behind;
+#else
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 color;
+#endif
 out vec4 seen;
 #ifdef LIT
 out vec3 place;
@@ -41,12 +74,25 @@ flat out float behind;
 flat out uint hash;
 #endif
 void main() {
+#ifdef LEAVES_SMALL
+    bool small = is_small(gl_VertexID / 3);
+    vec3 position = corner_place[gl_VertexID % 3];
+    vec4 color = corner_color[gl_VertexID % 3];
+#endif
     vec3 d = position - anchor.xyz;
     float depth = dot(forward.xyz, d);
     gl_Position = clip_of(d, depth);
     seen = color;
 #ifdef CLIPS
     clip(depth);
+#endif
+#ifdef LEAVES_SMALL
+    if (small) {
+        // Squares do not tile a surface as its triangles do: so that nothing shows through, these are drawn as well,
+        // as far away as their farthest corners.
+        gl_Position.z = min(min(corner_at[0].z, corner_at[1].z), corner_at[2].z) * gl_Position.w;
+        if (draws_behind == 0) gl_Position = vec4(2, 2, 2, 1);
+    }
 #endif
 #ifdef LIT
     place = d;
@@ -110,6 +156,8 @@ constexpr const char* far_vertex = R"(
 layout(binding = 0) uniform usamplerBuffer records;
 layout(location = 0) uniform vec2 size;          // of the picture, in lanes
 layout(location = 1) uniform int is_coherent;    // which of the two losses is deposited
+layout(location = 11) uniform int lanes;         // of a sample
+out vec2 on_face;                                // of a face: where, 0 to 1
 flat out vec4 rectangle;                         // left, top, right, bottom, in lanes
 flat out vec4 deposit;                           // color, loss where a lane is covered whole
 
@@ -121,6 +169,17 @@ float loss(float opacity, uint law) {
 }
 vec3 rgb(uint color) { return vec3(color & 255u, color >> 8 & 255u, color >> 16 & 255u); }
 
+vec3 on_plane(vec3 lower, int axis, float along, float down) {
+    lower[(axis + 1) % 3] += along;
+    lower[(axis + 2) % 3] += down;
+    return lower;
+}
+vec2 samples_from(vec3 p, vec4 from) {
+    vec3 d = p - anchor.xyz;
+    vec4 to = clip_of(d, dot(forward.xyz, d));
+    return to.w > 0 && from.w > 0 ? (to.xy / to.w - from.xy / from.w) * (0.5 * size / float(lanes)) : vec2(1e6);
+}
+
 void main() {
     int record = gl_VertexID >> 2, corner = gl_VertexID & 3;
     uvec2 a = texelFetch(records, 3 * record).xy;
@@ -131,11 +190,22 @@ void main() {
     bool to_the_right = corner == 1 || corner == 2, below = corner >= 2;
     if ((u & 1u) != 0u) {
         int axis = int(signs);
-        if (to_the_right) place[(axis + 1) % 3] += uintBitsToFloat(u & 0x7ffffffeu);
-        if (below) place[(axis + 2) % 3] += uintBitsToFloat(v & 0x7fffffffu);
-        vec3 d = place - anchor.xyz;
+        float width = uintBitsToFloat(u & 0x7ffffffeu), height = uintBitsToFloat(v & 0x7fffffffu);
+        on_face = vec2(to_the_right, below);
+        vec3 d = on_plane(place, axis, on_face.x * width, on_face.y * height) - anchor.xyz;
         float depth = dot(forward.xyz, d);
         gl_Position = clip_of(d, depth);
+        if (lanes > 1) {
+            // A sample's lanes are covered as the sample is: the face is drawn larger by a sample, and cut off there.
+            vec2 other = 1 - on_face;
+            vec2 lengths = vec2(
+                length(samples_from(on_plane(place, axis, other.x * width, on_face.y * height), gl_Position)),
+                length(samples_from(on_plane(place, axis, on_face.x * width, other.y * height), gl_Position)));
+            on_face += (2 * on_face - 1) * min(1 / max(lengths, 1e-6), 8);
+            d = on_plane(place, axis, on_face.x * width, on_face.y * height) - anchor.xyz;
+            depth = dot(forward.xyz, d);
+            gl_Position = clip_of(d, depth);
+        }
 #ifdef CLIPS
         clip(depth);
 #endif
@@ -144,6 +214,7 @@ void main() {
         deposit = vec4(rgb(color) / float(alpha),
                        loss(float(alpha) / 255, alpha >= 192u ? 2u : alpha >= 96u ? 1u : 0u));
     } else {
+        on_face = vec2(0.5);
         vec3 d = place - anchor.xyz;
         float depth = dot(forward.xyz, d);
         vec4 center = clip_of(d, depth);
@@ -168,7 +239,53 @@ void main() {
 }
 )";
 
+/// A small triangle as a deposit: a square of its area about its middle.
+constexpr const char* small_vertex = R"(
+layout(location = 0) uniform vec2 size;       // of the picture, in lanes
+layout(location = 1) uniform int is_coherent;
+layout(location = 5) uniform int law;
+layout(location = 6) uniform vec2 brightness;  // ambient, diffuse
+layout(location = 7) uniform int is_lit;
+layout(location = 8) uniform int culled;       // 1: clockwise ones, -1: counter-clockwise ones
+out vec2 on_face;
+flat out vec4 rectangle;
+flat out vec4 deposit;
+void main() {
+    on_face = vec2(0.5);
+    int corner = gl_VertexID % 3;
+    bool small = is_small(gl_VertexID / 3);
+    vec2 u = corner_at[1].xy - corner_at[0].xy, v = corner_at[2].xy - corner_at[0].xy;
+    float turn = v.x * u.y - u.x * v.y;  // rows run downwards
+    if (culled * turn < 0) small = false;
+    vec3 middle = (corner_at[0] + corner_at[1] + corner_at[2]) / 3;
+    float side = size.x / samples.x;  // of a sample, in lanes
+    vec2 half_size = vec2(0.5 * sqrt(area) * side);
+    rectangle = vec4(middle.xy * side - half_size, middle.xy * side + half_size);
+    vec2 at = floor(rectangle.xy), end = ceil(rectangle.zw);
+    if (corner == 1) at.x += 2 * (end.x - at.x);
+    if (corner == 2) at.y += 2 * (end.y - at.y);
+    gl_Position = small ? vec4(vec2(2, -2) * at / size + vec2(-1, 1), middle.z, 1) : vec4(2, 2, 2, 1);
+    vec4 color = (corner_color[0] + corner_color[1] + corner_color[2]) / 3;
+    if (is_lit != 0) {
+        vec3 normal = cross(corner_place[1] - corner_place[0], corner_place[2] - corner_place[0]);
+        vec3 to_eye = forward.w != 0 ? anchor.xyz - forward.xyz * anchor.w - corner_place[0] : -forward.xyz;
+        if (dot(normal, to_eye) < 0) normal = -normal;
+        float squares = dot(normal, normal) * dot(light.xyz, light.xyz);
+        float cosine = squares > 0 ? dot(normal, light.xyz) * inversesqrt(squares) : 0;
+        color.rgb = min(color.rgb * (brightness.x + brightness.y * max(cosine, 0)), 1);
+    }
+#ifdef CLIPS
+    gl_ClipDistance[0] = gl_ClipDistance[1] = 1;
+#endif
+    // Of something opaque (area_law.hpp, loss_of_opacity).
+    float part = law == 1 ? 0.5 : (law == 2) == (is_coherent != 0) ? 1.0 : 0.0;
+    deposit = vec4(color.rgb, color.a * part);
+}
+)";
+
 constexpr const char* far_fragment = R"(
+in vec2 on_face;
+layout(location = 11) uniform int lanes;
 flat in vec4 rectangle;
 flat in vec4 deposit;
 layout(location = 1) uniform int is_coherent;
@@ -180,9 +297,12 @@ layout(location = 1) out float nearest;
 layout(location = 3) uniform vec2 slice;
 #endif
 void main() {
+    vec2 to_sample = (floor(gl_FragCoord.xy / float(lanes)) + 0.5) * float(lanes) - gl_FragCoord.xy;
+    vec2 sampled = on_face + dFdx(on_face) * to_sample.x + dFdy(on_face) * to_sample.y;
 #ifdef SLICED
     if (gl_FragCoord.z < slice.x || gl_FragCoord.z > slice.y) discard;
 #endif
+    if (lanes > 1 && (any(lessThan(sampled, vec2(0))) || any(greaterThanEqual(sampled, vec2(1))))) discard;
     vec2 overlap = min(rectangle.zw, gl_FragCoord.xy + 0.5) - max(rectangle.xy, gl_FragCoord.xy - 0.5);
     overlap = max(overlap, 0);
     float loss = deposit.w * overlap.x * overlap.y;
@@ -239,11 +359,14 @@ int fade_order(ivec2 p) {
     return order;
 }
 void main() {
+    // Lanes see what their sample sees.
+    vec2 to_sample = (floor(gl_FragCoord.xy / float(lanes)) + 0.5) * float(lanes) - gl_FragCoord.xy;
+    vec2 t = at + dFdx(at) * to_sample.x + dFdy(at) * to_sample.y - 0.5;
+    float z = gl_FragCoord.z + dFdx(gl_FragCoord.z) * to_sample.x + dFdy(gl_FragCoord.z) * to_sample.y;
     if (part.y - part.x < 64) {
         int order = fade_order(ivec2(gl_FragCoord.xy) / lanes + part.zw);
         if (order < part.x || order >= part.y) discard;
     }
-    vec2 t = at - 0.5;
     ivec2 first = ivec2(floor(t));
     vec2 f = t - vec2(first);
     vec4 sum = vec4(0);
@@ -267,7 +390,6 @@ void main() {
     } else if (mode == 1) {
         sum.a = 1;
     }
-    float z = gl_FragCoord.z;
     if (relative != none) z = depth_rule.y != 0 ? (z + depth_rule.x) * relative - depth_rule.x : z + relative;
 #ifdef SLICED
     if (z < slice.x || z > slice.y) discard;
@@ -362,13 +484,15 @@ struct Texts {
     const char* vertex;
     const char* fragment;
     bool has_view;
+    bool has_whole_triangles = false;
 };
 constexpr Texts texts[shaders] = {
     {triangles_vertex, triangles_fragment, true}, {far_vertex, far_fragment, true},
-    {quad_vertex, quad_fragment, true},           {whole_vertex, copied_depth_fragment, false},
-    {whole_vertex, composite_fragment, false},    {bounds_vertex, bounds_fragment, true},
+    {small_vertex, far_fragment, true, true},     {quad_vertex, quad_fragment, true},
+    {whole_vertex, copied_depth_fragment, false}, {whole_vertex, composite_fragment, false},
+    {bounds_vertex, bounds_fragment, true},
 };
-constexpr const char* names[] = {"CLIPS", "LIT", "TRANSLUCENT", "SLICED", "KEEPS_DEPTHS"};
+constexpr const char* names[] = {"CLIPS", "LIT", "TRANSLUCENT", "SLICED", "KEEPS_DEPTHS", "LEAVES_SMALL"};
 
 struct Compiled {
     GLuint name;
@@ -399,7 +523,9 @@ GLuint Programs::get(Shader shader, unsigned features) {
         if ((features >> i & 1u) != 0) head += "#define " + std::string(names[i]) + "\n";
     }
     const Texts& t = texts[std::size_t(shader)];
-    const Compiled vertex(GL_VERTEX_SHADER, head + (t.has_view ? view_text : "") + t.vertex);
+    const bool has_whole = t.has_whole_triangles || (features & LEAVES_SMALL) != 0;
+    const Compiled vertex(GL_VERTEX_SHADER,
+                          head + (t.has_view ? view_text : "") + (has_whole ? whole_triangle_text : "") + t.vertex);
     const Compiled fragment(GL_FRAGMENT_SHADER, head + t.fragment);
     Program made(GL_NONE);
     for (const Compiled* part : {&vertex, &fragment}) glAttachShader(made.name(), part->name);

@@ -7,18 +7,27 @@
 
 namespace farfield::opengl {
 
-enum class Shader : unsigned char { triangles, far_field, image_quad, copied_depth, composite, bounds };
-inline constexpr std::size_t shaders = 6;
+enum class Shader : unsigned char {
+    triangles,
+    far_field,
+    small_triangles,
+    image_quad,
+    copied_depth,
+    composite,
+    bounds
+};
+inline constexpr std::size_t shaders = 7;
 
 /// What a program does beyond the common: bits. Each is a macro of that name in the sources.
 enum ShaderFeature : unsigned {
-    CLIPS = 1,         ///< by depths in the view's row
-    LIT = 2,           ///< triangles get light
-    TRANSLUCENT = 4,   ///< triangles may have holes, by alpha
-    SLICED = 8,        ///< only a range of depths is drawn
-    KEEPS_DEPTHS = 16  ///< of images
+    CLIPS = 1,          ///< by depths in the view's row
+    LIT = 2,            ///< triangles get light
+    TRANSLUCENT = 4,    ///< triangles may have holes, by alpha
+    SLICED = 8,         ///< only a range of depths is drawn
+    KEEPS_DEPTHS = 16,  ///< of images
+    LEAVES_SMALL = 32   ///< triangles smaller than two samples are deposited instead
 };
-inline constexpr unsigned shader_features = 32;
+inline constexpr unsigned shader_features = 64;
 
 /// A context's own.
 class Programs {

@@ -5,6 +5,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "farfield/drawables.hpp"
+#include "farfield/geometry/box.hpp"
 #include "farfield/geometry/polygon.hpp"
 #include "farfield/primitive.hpp"
 #include "opengl/objects.hpp"
@@ -55,6 +57,7 @@ struct TriangleSource {
     bool has_translucent = false;
     glm::vec3 origin{0};  ///< of the vertices' coordinates: add it to local ones
     std::uint32_t triangles = 0;
+    Box box = Box::empty();                       ///< of all, in local coordinates
     std::vector<std::uint32_t> first_triangle{};  ///< by position, and the end; empty: each has one
 
     std::uint32_t first_of(std::uint32_t position) const {
@@ -121,6 +124,8 @@ TriangleSource upload_indices(const Source<P>& source) {
         if (!(MeshVertices(source[at].gl_vertices()) == out.vertices))
             throw std::invalid_argument("GlRenderer: triangles of two meshes are in one source");
         to[at] = source[at].gl_indices();
+        const Box box = local_bounds(source[at], source.origin);
+        out.box = {glm::min(out.box.lower, box.lower), glm::max(out.box.upper, box.upper)};
     }
     out.own = indices.finish();
     return out;
@@ -153,6 +158,7 @@ TriangleSource upload_triangles(const Source<P>& source) {
         source.polygons(at, [&](const Polygon& p) {
             for_triangles_of(p, [&](const TriangleVertices& t) {
                 out.has_translucent = out.has_translucent || is_translucent(t);
+                for (const Vertex& v : t.corner) out.box.add(v.position);
                 *to++ = t;
             });
         });

@@ -1,5 +1,5 @@
-// What the shaders know of a view: one row of a vertex buffer, which a draw finds by its base instance. So draws of many
-// instances are one call.
+// What the shaders know of a view: one row of a vertex buffer, which a draw finds by its base instance. So draws of
+// many instances are one call.
 #pragma once
 
 #include <cmath>
@@ -43,8 +43,7 @@ struct DepthRule {
 inline DepthRule depth_rule(const LocalView& view) {
     const bool at_eye = view.is_perspective && view.anchor_depth == 0;
     DepthRule rule{.is_quotient = at_eye, .is_perspective = view.is_perspective};
-    if (view.is_perspective && !at_eye)
-        rule.bias = view.anchor_depth * (view.scale / view.depth_unit) / 16 - 0.5f;
+    if (view.is_perspective && !at_eye) rule.bias = view.anchor_depth * (view.scale / view.depth_unit) / 16 - 0.5f;
     rule.clips = !at_eye || std::isfinite(view.far_depth);
     return rule;
 }
