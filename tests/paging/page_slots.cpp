@@ -90,6 +90,21 @@ TEST_CASE("What the last frame used stays, but for what counts more than twice a
     CHECK(t.resident() == Pages{1, 3});
 }
 
+TEST_CASE("What a frame has not come to yet stays while it runs, if the frame before used it") {
+    Table t(10, 3);
+    for (const std::uint32_t p : {0u, 1u, 2u}) CHECK(t.load(p, 4));
+    t.frame({0, 1, 2}, 4);
+    const std::uint32_t f = t.slots.begin(*t.users[0]);
+    t.slots.find(0, f, 4);
+    CHECK_FALSE(t.load(5, 7));  // less than twice as much
+    t.slots.find(1, f, 4);
+    t.slots.find(2, f, 4);
+    PageSlots::end(*t.users[0]);
+    CHECK(t.resident() == Pages{0, 1, 2});
+    CHECK(t.slots.evictions() == 0);
+    CHECK(t.load(5, 9));
+}
+
 TEST_CASE("The largest weight that a frame finds a page with counts") {
     Table t(10, 1);
     t.load(1, 1);

@@ -181,7 +181,7 @@ class PageCache {
             cache_->changed_.notify_all();
         }
         /// As if it had never looked: its pages are no longer in use, though it may look again.
-        void forget() { visits.last_frame.store(0, std::memory_order_relaxed); }
+        void forget() { PageSlots::forget(visits); }
         bool is_in_frame() const { return frame_ != 0; }
         /// The slot of a page, which stays until the frame ends; PageSlots::none, and it is asked for.
         std::uint32_t find(std::uint32_t page, float weight) {

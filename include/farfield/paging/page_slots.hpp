@@ -22,6 +22,7 @@ namespace farfield::detail {
 struct PageVisits {
     std::atomic<std::uint64_t> epoch{0};       ///< that its frame began in; 0: it has none
     std::atomic<std::uint32_t> last_frame{0};  ///< the number of its last one; 0: there was none
+    std::atomic<std::uint32_t> last_ended{0};  ///< of the last one that has ended, if it is not this one
     bool is_blocked = false;  ///< its frame waits for others; under the lock of those who change tables
 };
 
@@ -58,7 +59,15 @@ class PageSlots {
         visits.epoch.store(epoch_.load(std::memory_order_seq_cst), std::memory_order_seq_cst);
         return frame;
     }
-    static void end(PageVisits& visits) { visits.epoch.store(0, std::memory_order_release); }
+    static void end(PageVisits& visits) {
+        visits.last_ended.store(visits.last_frame.load(std::memory_order_relaxed), std::memory_order_relaxed);
+        visits.epoch.store(0, std::memory_order_release);
+    }
+    /// As if it had never looked: none of its pages are in use.
+    static void forget(PageVisits& visits) {
+        visits.last_ended.store(0, std::memory_order_relaxed);
+        visits.last_frame.store(0, std::memory_order_relaxed);
+    }
     /// The slot of a page, or none. A frame that sees one may use it until it ends. `weight` says how much it counts,
     /// and is not negative.
     std::uint32_t find(std::uint32_t page, std::uint32_t frame, float weight) {
@@ -91,7 +100,7 @@ class PageSlots {
         }
         if (const std::uint32_t slot = take_retired(all, own); slot != none) return slot;
         if (retired_.size() >= most_retired) return none;
-        const std::uint32_t victim = choose_victim(weight, all);
+        const std::uint32_t victim = choose_victim(weight, all, own);
         if (victim == none) return none;
         Slot& s = slots_[victim];
         Page& page = pages_[s.page];
@@ -181,12 +190,14 @@ class PageSlots {
         return none;
     }
 
-    /// The least recently used page; if all are in use, the one that counts least, and less than half as much.
-    std::uint32_t choose_victim(float weight, const std::vector<PageVisits*>& all) const {
+    /// The least recently used page; if all are in use, the one that counts least, and less than half as much. What a
+    /// frame that runs has not come to yet may still be wanted, so that until it ends the one before it counts: else
+    /// whoever stands still would lose pages in every frame, and load them in the next. `own` takes what it needs.
+    std::uint32_t choose_victim(float weight, const std::vector<PageVisits*>& all, const PageVisits* own) const {
         const std::uint32_t now = frames();
         std::uint32_t in_use = now;
         for (const PageVisits* v : all) {
-            const std::uint32_t last = v->last_frame.load(std::memory_order_relaxed);
+            const std::uint32_t last = (v == own ? v->last_frame : v->last_ended).load(std::memory_order_relaxed);
             if (last != 0 && now - last < frames_between_loads) in_use = std::min(in_use, last);
         }
         const std::uint64_t most = weight < 1
