@@ -1,8 +1,10 @@
 #include "opengl/shaders.hpp"
 
 #include <cstddef>
-#include <stdexcept>
+#include <iterator>
 #include <string>
+
+#include "opengl/program.hpp"
 
 namespace farfield::opengl {
 namespace {
@@ -494,25 +496,6 @@ constexpr Texts texts[shaders] = {
 };
 constexpr const char* names[] = {"CLIPS", "LIT", "TRANSLUCENT", "SLICED", "KEEPS_DEPTHS", "LEAVES_SMALL"};
 
-struct Compiled {
-    GLuint name;
-    Compiled(GLenum kind, const std::string& text) : name(glCreateShader(kind)) {
-        const char* const source = text.c_str();
-        glShaderSource(name, 1, &source, nullptr);
-        glCompileShader(name);
-        GLint good = 0;
-        glGetShaderiv(name, GL_COMPILE_STATUS, &good);
-        if (good != 0) return;
-        char log[1024] = "";
-        glGetShaderInfoLog(name, sizeof log, nullptr, log);
-        glDeleteShader(name);
-        throw std::runtime_error("OpenGL does not compile a shader: " + std::string(log));
-    }
-    ~Compiled() { glDeleteShader(name); }
-    Compiled(const Compiled&) = delete;
-    Compiled& operator=(const Compiled&) = delete;
-};
-
 }  // namespace
 
 GLuint Programs::get(Shader shader, unsigned features) {
@@ -524,21 +507,8 @@ GLuint Programs::get(Shader shader, unsigned features) {
     }
     const Texts& t = texts[std::size_t(shader)];
     const bool has_whole = t.has_whole_triangles || (features & LEAVES_SMALL) != 0;
-    const Compiled vertex(GL_VERTEX_SHADER,
-                          head + (t.has_view ? view_text : "") + (has_whole ? whole_triangle_text : "") + t.vertex);
-    const Compiled fragment(GL_FRAGMENT_SHADER, head + t.fragment);
-    Program made(GL_NONE);
-    for (const Compiled* part : {&vertex, &fragment}) glAttachShader(made.name(), part->name);
-    glLinkProgram(made.name());
-    for (const Compiled* part : {&vertex, &fragment}) glDetachShader(made.name(), part->name);
-    GLint good = 0;
-    glGetProgramiv(made.name(), GL_LINK_STATUS, &good);
-    if (good == 0) {
-        char log[1024] = "";
-        glGetProgramInfoLog(made.name(), sizeof log, nullptr, log);
-        throw std::runtime_error("OpenGL does not link a program: " + std::string(log));
-    }
-    program = std::move(made);
+    program = make_program(head + (t.has_view ? view_text : "") + (has_whole ? whole_triangle_text : "") + t.vertex,
+                           head + t.fragment);
     return program.name();
 }
 

@@ -1,0 +1,13 @@
+// Programs from the text of their shaders.
+#pragma once
+
+#include <string>
+
+#include "opengl/objects.hpp"
+
+namespace farfield::opengl {
+
+/// Throws std::runtime_error with the driver's words where it does not compile.
+Program make_program(const std::string& vertex_text, const std::string& fragment_text);
+
+}  // namespace farfield::opengl
