@@ -67,7 +67,7 @@ if(SETTING STREQUAL "aarch64")
   file(CREATE_LINK "${directory_of_glm}/glm" "${WORK_DIRECTORY}/aarch64/glm" SYMBOLIC)
   set(GLM_INCLUDE "${WORK_DIRECTORY}/aarch64")
 elseif(SETTING STREQUAL "i686")
-  file(WRITE "${WORK_DIRECTORY}/i686.cpp" "#include <vector>\nint main() {}\n")
+  file(WRITE "${WORK_DIRECTORY}/i686.cpp" "#include <thread>\n#include <vector>\nint main() {}\n")
   execute_process(COMMAND "${COMPILER}" -m32 "${WORK_DIRECTORY}/i686.cpp" -o "${WORK_DIRECTORY}/i686.program"
                   RESULT_VARIABLE result OUTPUT_QUIET ERROR_QUIET)
   if(NOT result EQUAL 0)
