@@ -110,10 +110,18 @@ TEST_CASE("a viewer may go after its renderer, and draws nothing without it") {
     const Triangles triangles = random_triangles(100, 112);
     const Exactly h = build<Exactly>(triangles);
     std::optional<Viewer<Exactly, Triangle, ZBufferRenderer>> viewer;
+    using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
+    const Tensors tensors = build<Tensors>(triangles);
     std::optional<Viewer<Exactly, Triangle, CoverageRenderer>> of_masks;
+    std::optional<Viewer<Tensors, Triangle, ZBufferRenderer>> of_tensors;
+    View coarse = looking({60, 20, 40});
+    coarse.tolerance_px = 4;
+    std::size_t selected = 0;
     {
         ZBufferRenderer renderer;
         CoverageRenderer masks;
+        of_tensors.emplace(tensors, triangles, renderer);
+        selected = of_tensors->select(coarse).entries().size();
         viewer.emplace(h, triangles, renderer);
         of_masks.emplace(h, triangles, masks);
         viewer->frame(looking({6, 2, 4}));
@@ -122,6 +130,7 @@ TEST_CASE("a viewer may go after its renderer, and draws nothing without it") {
                       "farfield::Viewer: its renderer is gone; declare the renderer before the viewer");
     CHECK_THROWS_AS(of_masks->frame(looking({6, 2, 4})), std::logic_error);
     CHECK(viewer->select(looking({6, 2, 4})).entries().size() > 0);
+    CHECK(of_tensors->select(coarse).entries().size() == selected);
 }
 
 TEST_CASE("pictures are the same from a renderer's copy and from the user's array") {

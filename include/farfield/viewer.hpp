@@ -183,7 +183,7 @@ class Viewer {
     /// viewer's own. Throws what frame() throws, and std::invalid_argument for a budget that is none.
     FrameStats frame(const View& view, const FrameBudget& budget, Refinement& refinement) requires(!PagedAtRunTime<H>) {
         const LocalView local = outermost(view);
-        refinement.refine(hierarchy_, primitives_, local, budget, queue_.splat_limit_px());
+        refinement.refine(hierarchy_, primitives_, local, budget, splat_limit_px_);
         begin(local, view);
         const AsTheyAre tint;
         detail::DrawNow<R> sink(renderer_, queue_, tint);
@@ -194,7 +194,7 @@ class Viewer {
     void select(const View& view, const FrameBudget& budget, Refinement& refinement,
                 Selection<H, P>& selection) requires(!PagedAtRunTime<H>) {
         const LocalView local = outermost(view);
-        refinement.refine(hierarchy_, primitives_, local, budget, queue_.splat_limit_px());
+        refinement.refine(hierarchy_, primitives_, local, budget, splat_limit_px_);
         selection.select(hierarchy_, primitives_, view, local, traversal_order<H, R>,
                          [&](detail::SelectionSink& sink, FrameStats& stats) {
                              descend_within(refinement, local, stats, sink, deposits(view));
@@ -215,6 +215,7 @@ class Viewer {
                 "farfield::Viewer: the selection is not in the order that the renderer needs");
         }
         const LocalView& local = selection.views().front();
+        ask_renderer();
         begin(local, selection.view());
         detail::DrawNow<R, Tint> sink(renderer_, queue_, tint);
         selection.walk(detail::DrawSelected<R, decltype(sink)>{sources_, sink, deposits_});
@@ -228,11 +229,18 @@ class Viewer {
     }
 
   private:
-    LocalView outermost(const View& view) const {
+    LocalView outermost(const View& view) {
+        ask_renderer();
         const bool has_splats = R::facts.draws_splats && sources_.have_stand_ins();
         LocalView local(view, hierarchy_.origin(), hierarchy_.bounds(), has_splats ? view.tolerance_px : 0.0f);
-        local.splat_limit_px = queue_.splat_limit_px();
+        local.splat_limit_px = splat_limit_px_;
         return local;
+    }
+    /// What it said last goes on when it is gone: views are still selected then.
+    void ask_renderer() {
+        if (!sources_.has_renderer()) return;
+        splat_limit_px_ = queue_.splat_limit_px();
+        if constexpr (R::facts.deposits_primitives) deposits_primitives_ = renderer_.deposits_primitives();
     }
 
     template <class Sink>
@@ -258,11 +266,7 @@ class Viewer {
 
     /// A tolerance of 0 means every primitive as it is, and so does an error that is as large as point sampling's.
     bool deposits(const View& view) const {
-        if constexpr (R::facts.deposits_primitives) {
-            return view.tolerance_px > 0 && !view.wanted.is_point_sampling() && renderer_.deposits_primitives();
-        } else {
-            return false;
-        }
+        return deposits_primitives_ && view.tolerance_px > 0 && !view.wanted.is_point_sampling();
     }
 
     /// Chooses and makes images, then draws with them (Shade et al. 1996, section 2: two traversals).
@@ -302,6 +306,8 @@ class Viewer {
     FrameStats stats_;
     detail::SourceTable<R> sources_;
     DrawQueue<R> queue_;
+    float splat_limit_px_ = 0;  ///< the renderer's, as is the next
+    bool deposits_primitives_ = false;
     bool deposits_ = false;  ///< in this frame, where a law is known
     detail::InstanceStack instances_;
     std::conditional_t<caches_images<H>, detail::ViewerImages<R>, detail::NoImages> images_;
