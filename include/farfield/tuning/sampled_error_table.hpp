@@ -96,6 +96,8 @@ class SampledErrorTable {
             const ToleranceChoice c = t.table.tolerance_for({.rmse = largest});
             choices.push_back({t.samples, c, c.trial.cost * t.exact_cost / tables_.front().exact_cost});
         }
+        // Of nothing even times are not known: they are noise.
+        if (choices.front().tolerance.reason == ToleranceReason::nothing_tried) return choices.front();
         return *std::min_element(choices.begin(), choices.end(), [](const SampleChoice& a, const SampleChoice& b) {
             const bool a_keeps = a.tolerance.keeps_error(), b_keeps = b.tolerance.keeps_error();
             if (a_keeps != b_keeps) return a_keeps;
