@@ -22,7 +22,7 @@ namespace farfield::detail {
 struct PageVisits {
     std::atomic<std::uint64_t> epoch{0};       ///< that its frame began in; 0: it has none
     std::atomic<std::uint32_t> last_frame{0};  ///< the number of its last one; 0: there was none
-    std::atomic<std::uint32_t> last_ended{0};  ///< of the last one that has ended, if it is not this one
+    std::atomic<std::uint32_t> last_ended{0};  ///< the number of the last one that has ended
     bool is_blocked = false;  ///< its frame waits for others; under the lock of those who change tables
 };
 
