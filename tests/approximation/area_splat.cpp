@@ -52,9 +52,8 @@ Drawn drawn(const AreaSplat& a, const AreaSplat::stand_in_data& data, const Cell
 
 }  // namespace
 
-TEST_CASE("a splat is as large as what surfaces show on average, at their center", "[approximation]") {
+TEST_CASE("a splat is as large as what surfaces show, at their center", "[approximation]") {
     const Cell cell = cell_at({0.5f, 0, 0}, 1);
-    // A quarter of a side, so an eighth is shown.
     const Triangles wall = sheet({0.75f, -0.5f, -0.5f}, {0, 1, 0}, {0, 0, 1}, 3, 3, {200, 100, 50});
     const AreaSplat a;
     const auto data = a.finish(cell, sampled(a, cell, wall));
@@ -63,7 +62,7 @@ TEST_CASE("a splat is as large as what surfaces show on average, at their center
     CHECK(d.faces.empty());
     const Splat& s = d.splats[0];
     CHECK(s.opacity == 1);
-    CHECK(std::abs(s.size.x * s.size.y - 0.5f) < 0.01f);
+    CHECK(std::abs(s.size.x * s.size.y - 1) < 0.02f);
     CHECK(glm::length(s.center - glm::vec3(0.75f, 0, 0)) < 0.03f);
     CHECK(s.rgb.r == 200);
     CHECK(s.rgb.g == 100);
@@ -72,6 +71,60 @@ TEST_CASE("a splat is as large as what surfaces show on average, at their center
     const Drawn all = drawn(whole, whole.finish(cell, sampled(whole, cell, wall)), cell, {300, 0, 0});
     CHECK(std::abs(all.splats[0].size.x - 2) < 1e-3f);
     CHECK(drawn(a, data, cell, {300, 0, 0}, 0).faces.size() == 1);
+}
+
+TEST_CASE("what lies in all directions shows its mean, and nothing shows more than it has", "[approximation]") {
+    const Cell cell = cell_at({}, 1);
+    const AreaSplat a;
+    const auto area_from = [&](const AreaSplat::stand_in_data& data, glm::dvec3 direction) {
+        const Drawn d = drawn(a, data, cell, 300.0 * glm::normalize(direction));
+        return d.splats.empty() ? 0.0f : d.splats[0].size.x * d.splats[0].size.y;
+    };
+    const auto directions = [](const auto& f) {
+        for (int i = 0; i < 400; ++i) {  // evenly over the sphere
+            const double z = (2 * i + 1) / 400.0 - 1, r = std::sqrt(1 - z * z), turn = 2.39996 * i;
+            f(glm::dvec3(r * std::cos(turn), r * std::sin(turn), z));
+        }
+    };
+    Triangles cloud = random_triangles(300, 7, 0.05f);
+    Triangles one(cloud.begin(), cloud.begin() + 1), ground = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 1, 1, {9, 9, 9});
+    for (const Triangles* scene : {&cloud, &one, &ground}) {
+        const auto draft = sampled(a, cell, *scene);
+        const auto data = a.finish(cell, draft);
+        double sum = 0, truth = 0;
+        directions([&](glm::dvec3 d) {
+            sum += double(area_from(data, d)) / 400;
+            for (const Triangle& t : *scene) {
+                truth += std::abs(glm::dot(
+                             glm::dvec3(glm::cross(t.vertices[1] - t.vertices[0], t.vertices[2] - t.vertices[0])), d)) /
+                         800;
+            }
+        });
+        CHECK(std::abs(sum / truth - 1) < (scene == &one ? 0.2 : 0.04));  // bytes round what is small
+    }
+}
+
+TEST_CASE("ground that goes on is closed from everywhere", "[approximation]") {
+    const AreaSplat a;
+    const Cell cell = cell_at({}, 1);
+    for (const float height : {0.0f, 0.1f, 0.3f}) {
+        Triangles ridge = sheet({-1, -height, -1}, {1, 2 * height, 0}, {0, 0, 2}, 2, 2, {9, 9, 9});
+        append(ridge, sheet({0, height, -1}, {1, -2 * height, 0}, {0, 0, 2}, 2, 2, {9, 9, 9}));
+        const auto data = a.finish(cell, sampled(a, cell, ridge));
+        for (const double turn : {0.0, 0.4, 0.785}) {
+            for (const double slope : {0.05, 0.15, 0.5, 1.2}) {
+                const glm::dvec3 eye(std::cos(turn) * std::cos(slope), std::sin(slope),
+                                     std::sin(turn) * std::cos(slope));
+                const Drawn d = drawn(a, data, cell, 300.0 * eye);
+                REQUIRE(d.splats.size() == 1);
+                // Neighboring cells, and so their splats, are a side of the cell apart, which is 2.
+                const glm::vec2 size = d.splats[0].size;
+                INFO(height << ", " << turn << ", " << slope << ": " << size.x << " x " << size.y);
+                CHECK(size.x >= 1.8f * float(std::cos(turn)));
+                CHECK(size.y >= 1.8f * float(std::cos(turn) * std::sin(slope)));
+            }
+        }
+    }
 }
 
 TEST_CASE("sheets of two colors show the one in front", "[approximation]") {

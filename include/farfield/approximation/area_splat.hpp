@@ -25,8 +25,11 @@
 namespace farfield {
 
 /// 24 bytes a cell: a color for each of six sides, the center of the areas and how much of a side of the cell they
-/// fill. The paper has one color ("the median of all polygon colors depending on the polygon areas"), which shows what
-/// lies behind as often as what lies in front; here it is a mean of what a sampled image shows from each side.
+/// fill, seen along each axis. The paper has one color ("the median of all polygon colors depending on the polygon
+/// areas"), which shows what lies behind as often as what lies in front; here it is a mean of what a sampled image
+/// shows from each side. The paper's splat is a square; here it is a rectangle that lies as the surfaces do, so that
+/// ground seen at a grazing angle is closed by what is wide and low, where squares of its area leave gaps beside one
+/// another.
 struct AreaSplat {
     /// The size of the splat, which is opaque: that of the areas; or of the cell, as the paper draws it, where thin
     /// things become too large and nothing has holes.
@@ -35,24 +38,25 @@ struct AreaSplat {
     /// Orthographic samples along a side of the cell, 1 to 8, that colors are made from. 0 takes all polygons, hidden
     /// or not, weighted by their projected areas: the paper's color, from each side.
     std::uint32_t samples = 4;
-    /// The part of their areas that surfaces show on average. Cauchy: a flat one shows half of it.
+    /// The part of their areas that surfaces show, averaged over all directions. Cauchy: a flat one shows half of it.
     float shown = 0.5f;
 
     struct stand_in_draft {
         ColorCube::stand_in_draft faces{};
-        glm::vec3 moment{0};  ///< sum of area times place about the cell's center, in ordinary units
-        float area = 0;       ///< in ordinary units of the cell (Cell::to_ordinary)
-        glm::vec3 color{0};   ///< sum of area times color, for what samples miss
+        glm::vec3 moment{0};     ///< sum of area times place about the cell's center, in ordinary units
+        float area = 0;          ///< in ordinary units of the cell (Cell::to_ordinary)
+        glm::vec3 projected{0};  ///< sums of the areas, each seen along an axis from both sides
+        glm::vec3 color{0};      ///< sum of area times color, for what samples miss
     };
     /// Sides -x, +x, -y, +y, -z, +z. Fourth bytes hold, in order, the center's place in the cell's bounds (three bytes)
-    /// and the filled part of a side (two bytes, the upper one first).
+    /// and, along x, y and z, the root of the part of a side that is filled.
     using stand_in_data = std::array<Rgba8, 6>;
     static constexpr ApproximationFacts facts{.needs_polygons = true,
                                               .stands_in = true,
                                               .merges_octants = true,
                                               .bounds_error = true,
                                               .expects_error = true,
-                                              .file_tag = 0x41530001u};
+                                              .file_tag = 0x41530002u};
 
     const char* wrong_option() const {
         if (size > Size::of_cell) return "AreaSplat: an option is not in its enum";
@@ -74,6 +78,7 @@ struct AreaSplat {
             glm::vec3 sum(0);
             for (const glm::vec3& v : polygon.vertices) sum += (v - cell.center) * unit;
             d.area += area;
+            d.projected += 0.5f * glm::abs(normal);
             d.moment += sum * (area / float(corners));
             glm::vec3 color(0);
             for (const Rgba8 c : polygon.colors) color += glm::vec3(to_vec4(c));
@@ -92,6 +97,7 @@ struct AreaSplat {
             const float larger = unit / child.cell->to_ordinary();
             const float area = child.draft->area * larger * larger;
             own.area += area;
+            own.projected += child.draft->projected * (larger * larger);
             own.color += child.draft->color * (larger * larger);
             own.moment +=
                 child.draft->moment * (larger * larger * larger) + (child.cell->center - cell.center) * unit * area;
@@ -119,26 +125,33 @@ struct AreaSplat {
             const float inside = cell.bounds_half[axis] > 0 ? glm::clamp(place[axis], 0.0f, 1.0f) : 0.5f;
             data[std::size_t(axis)].a = std::uint8_t(inside * 255 + 0.5f);
         }
-        const float side = cell.largest_side() * unit;
-        set_filled_part(data, side > 0 ? std::min(shown * d.area / (side * side), 1.0f) : 1.0f);
+        const float side = cell.largest_side() * unit, mean_projected = mean_length(d.projected);
+        const float shown_part = side > 0 ? shown * d.area / (side * side) : 1.0f;
+        set_filled_parts(data,
+                         mean_projected > 0 ? d.projected * (shown_part / mean_projected) : glm::vec3(shown_part));
         return data;
     }
 
     /// What is left to draw where `drawn` of the areas, 0 to 1, has been drawn: of a side of which `a` is filled in
     /// all, the part of what a drawn leaves.
     stand_in_data rest_of(stand_in_data data, float drawn) const {
-        const float all = filled_part(data), covered = all * drawn;
-        if (all > 0) set_filled_part(data, covered < 1 ? (all - covered) / (1 - covered) : 1.0f);
+        if (is_nothing(data)) return data;
+        glm::vec3 parts = filled_parts(data);
+        for (int axis = 0; axis < 3; ++axis) {
+            const float covered = parts[axis] * drawn;
+            parts[axis] = covered < 1 ? (parts[axis] - covered) / (1 - covered) : 1.0f;
+        }
+        set_filled_parts(data, parts);
         return data;
     }
 
     Work expected_work() const { return {.splats = 1}; }
     /// Contents without an area must not vanish, so their stand-in is never worth it.
     Work work(const stand_in_data& data) const {
-        if (filled_part(data) == 0) return {.splats = std::numeric_limits<float>::infinity()};
+        if (is_nothing(data)) return {.splats = std::numeric_limits<float>::infinity()};
         return expected_work();
     }
-    bool is_sound(const stand_in_data& data) const { return data[5].a == 0; }
+    bool is_sound(const stand_in_data&) const { return true; }  // whatever the bytes are, they stand for something
 
     /// The projected side of the cell: "its projected bounding box is at most i^2 pixels" (section 4.5).
     float error_px(const stand_in_data&, const Cell& cell, const LocalView& view) const {
@@ -152,8 +165,8 @@ struct AreaSplat {
     float covered_part(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
         if (size == Size::of_cell) return 1;
         const float side = cell.largest_side(), unit = length_unit(cell), part = side * (1 / unit);
-        const float outline = outline_of(cell.half / unit, direction_of(view.towards_viewer(center_in(data, cell))));
-        const float area = filled_part(data) * part * part;
+        const glm::vec3 w = direction_of(view.towards_viewer(center_in(data, cell)));
+        const float outline = outline_of(cell.half / unit, w), area = part_seen(filled_parts(data), w) * part * part;
         return outline > area ? area / outline : 1.0f;
     }
     /// As one face of a cube, of one color and in one place.
@@ -162,12 +175,13 @@ struct AreaSplat {
     /// One splat, or the faces that are seen where the renderer has none.
     template <class Sink>
     void draw_stand_in(const stand_in_data& data, const Cell& cell, const LocalView& view, Sink&& sink) const {
-        const float part = filled_part(data);
-        if (part == 0) return;
+        if (is_nothing(data)) return;
         const VisibleFaces seen(cell, view);
-        const float shrunk = size == Size::of_areas ? std::sqrt(part) : 1.0f;
-        const glm::vec3 center = center_in(data, cell);
+        const glm::vec3 center = center_in(data, cell), parts = filled_parts(data);
+        const float part = part_seen(parts, direction_of(view.towards_viewer(center)));
+        if (!(part > 0)) return;  // flat, and seen from its edge
         if (!(sink.splat_limit_px > 0)) {
+            const float shrunk = size == Size::of_areas ? std::sqrt(part) : 1.0f;
             for (int i = 0; i < seen.count; ++i) {
                 const unsigned side = seen.side[std::size_t(i)];
                 Face face = face_of(cell, side, {data[side].r, data[side].g, data[side].b, 255});
@@ -187,21 +201,71 @@ struct AreaSplat {
         }
         if (!(weight > 0)) return;
         const glm::vec3 rgb = glm::min(sum / weight + 0.5f, glm::vec3(255.0f));
-        sink(Splat{
-            center, glm::vec2(cell.largest_side() * shrunk * std::sqrt(view.stretch(center))), 1,
-            Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(AreaLaw::coherent)}});
+        Splat splat{
+            center, glm::vec2(cell.largest_side() * std::sqrt(view.stretch(center))), 1,
+            Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(AreaLaw::coherent)}};
+        if (size == Size::of_areas) lay(splat, parts, part, cell, view);
+        sink(splat);
     }
 
   private:
     ColorCube colors() const { return {.samples = samples}; }
-    static void set_filled_part(stand_in_data& data, float part) {
-        const auto steps = std::max(unsigned(part * 65535 + 0.5f), 1u);  // 0 is nothing
-        data[3].a = std::uint8_t(steps >> 8);
-        data[4].a = std::uint8_t(steps & 255);
+
+    /// Makes a square as large as the cell a rectangle of the area that is seen, which lies within the box of the cell
+    /// in the picture and has its shape. Where nearly all is seen along one axis, as of ground or a wall, that is the
+    /// shape of the box without its depth along that axis.
+    static void lay(Splat& splat, glm::vec3 parts, float part, const Cell& cell, const LocalView& view) {
+        // What a step to the right, and up, is in the picture at the depth of the center: a plane's linear projection.
+        const glm::vec3 d = splat.center - view.eye;
+        const float depth = glm::dot(d, view.forward);
+        const bool is_stretched = view.is_perspective && depth > 0;
+        const glm::vec3 to_right =
+            is_stretched ? view.right - view.forward * (glm::dot(d, view.right) / depth) : view.right;
+        const glm::vec3 to_up = is_stretched ? view.up - view.forward * (glm::dot(d, view.up) / depth) : view.up;
+        const auto extent = [&](glm::vec3 half) {
+            return glm::vec2(glm::dot(glm::abs(to_right), half), glm::dot(glm::abs(to_up), half)) * 2.0f;
+        };
+        const glm::vec2 box = extent(cell.half);
+        const int flat = parts.x >= parts.y ? (parts.x >= parts.z ? 0 : 2) : (parts.y >= parts.z ? 1 : 2);
+        const float others = glm::max(parts[(flat + 1) % 3], parts[(flat + 2) % 3]) / parts[flat];
+        glm::vec3 half = cell.half;
+        half[flat] *= others * others;  // all of it where as much is seen along another
+        const glm::vec2 shape = extent(half);
+        if (!(shape.x > 0) || !(shape.y > 0)) return;
+        const glm::vec2 square = splat.size * std::sqrt(part);  // of the area that is seen
+        float width = glm::min(square.x * std::sqrt(shape.x / shape.y), box.x);
+        const float height = glm::min(square.x * (square.y / width), box.y);
+        width = glm::min(square.x * (square.y / height), box.x);
+        splat.size = {width, height};
+        // Its place is where the areas are, as far as it does not leave the box.
+        const glm::vec3 from_middle = splat.center - cell.center;
+        const glm::vec2 place(glm::dot(to_right, from_middle), glm::dot(to_up, from_middle));
+        const glm::vec2 most = (box - splat.size) * 0.5f, moved = glm::clamp(place, -most, most) - place;
+        splat.center += view.right * moved.x + view.up * moved.y;
     }
-    static float filled_part(const stand_in_data& data) {
-        return float(unsigned(data[3].a) << 8 | data[4].a) * (1.0f / 65535);
+
+    /// The mean over all directions d of |(p.x d.x, p.y d.y, p.z d.z)|, within 2 % of it: a half for one axis alone, 1
+    /// for three alike.
+    static float mean_length(glm::vec3 p) {
+        return 0.316f * ((p.x + p.y + p.z) / 3) + 0.684f * std::sqrt(glm::dot(p, p) / 3);
     }
+    /// The part of a side that is filled, seen from a unit vector: exact along the axes, and where as much is seen
+    /// along each of them, from everywhere.
+    static float part_seen(glm::vec3 parts, glm::vec3 w) { return glm::min(length_of(parts * w), 1.0f); }
+
+    static void set_filled_parts(stand_in_data& data, glm::vec3 parts) {
+        const float most = glm::max(parts.x, glm::max(parts.y, parts.z));
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto steps = unsigned(std::sqrt(glm::min(parts[axis], 1.0f)) * 255 + 0.5f);
+            data[std::size_t(3 + axis)].a =
+                std::uint8_t(steps == 0 && parts[axis] == most ? 1 : steps);  // 0 is nothing
+        }
+    }
+    static glm::vec3 filled_parts(const stand_in_data& data) {
+        const glm::vec3 roots = glm::vec3(data[3].a, data[4].a, data[5].a) * (1.0f / 255);
+        return roots * roots;
+    }
+    static bool is_nothing(const stand_in_data& data) { return (data[3].a | data[4].a | data[5].a) == 0; }
     static glm::vec3 center_in(const stand_in_data& data, const Cell& cell) {
         const glm::vec3 place = glm::vec3(data[0].a, data[1].a, data[2].a) * (2.0f / 255) - 1.0f;
         return cell.bounds_center + place * cell.bounds_half;
