@@ -145,7 +145,9 @@ TEST_CASE("instances of a mesh are drawn, selected, picked and drawn within a bu
     by_mesh.draw(by_mesh.select(view));
     CHECK(first.image() == second.image());
     Refinement one, other;
-    const FrameBudget budget{.most = 300, .prices = FramePrices::of_primitives()};
+    FrameBudget budget;
+    budget.most = 300;
+    budget.prices = FramePrices::of_primitives();
     CHECK(by_mesh.frame(view, budget, one).primitives == by_array.frame(view, budget, other).primitives);
     CHECK(first.image() == second.image());
     const auto picked = pick(scene, meshes, view, {30.5, 24.5}), wanted = pick(same, arrays, view, {30.5, 24.5});

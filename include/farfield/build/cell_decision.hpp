@@ -36,10 +36,10 @@ inline constexpr std::uint16_t in_other_cells = 1u << 8;
 
 /// Says whether a primitive meets a box, for place().
 template <Primitive P>
-auto touches_of(const P& primitive, [[maybe_unused]] glm::dvec3 origin) {
+auto touches_of(const P& asked, [[maybe_unused]] glm::dvec3 origin) {
     // One that a source makes is gone when the question is asked.
     using Kept = std::conditional_t<is_indexed<P>, P, std::reference_wrapper<const P>>;
-    return [kept = Kept(primitive), origin]([[maybe_unused]] const Box& box) {
+    return [kept = Kept(asked), origin]([[maybe_unused]] const Box& box) {
         const P& primitive = kept;
         static_cast<void>(primitive), static_cast<void>(origin);  // primitives without polygons
         if constexpr (PrimitiveWithInstance<P>) {
