@@ -1,7 +1,6 @@
 // Leaf cards with alpha, and walls with textures: polygons carry what the sampler knows how to paint, and stand-ins get
 // the colors and the opacity of texels instead of those of cards.
 #include <array>
-#include <cstdint>
 #include <iostream>
 #include <random>
 #include <vector>
@@ -16,9 +15,8 @@ struct Card {
     std::array<glm::vec2, 4> at{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
 
     Box bounds() const {
-        Box box = Box::empty();
-        for (const glm::vec3& corner : corners) box.add(corner);
-        return box;
+        const auto& [a, b, c, d] = corners;
+        return {glm::min(glm::min(a, b), glm::min(c, d)), glm::max(glm::max(a, b), glm::max(c, d))};
     }
     void polygons(auto&& sink) const {
         static constexpr Rgba8 color{70, 120, 50};  // for whoever does not know the texture
@@ -36,17 +34,15 @@ struct CardSampler : GridSampler {
 int main() {
     std::vector<Rgba8> texels;  // a round leaf, a quarter of its card
     for (int i = 0; i < 64 * 64; ++i) {
-        const glm::vec2 p(float(i % 64) - 31.5f, float(i / 64) - 31.5f);
-        texels.push_back({50, std::uint8_t(120 + i / 64), 30, std::uint8_t(glm::length(p) < 18 ? 255 : 0)});
+        texels.push_back({50, 140, 30, std::uint8_t(glm::length(glm::vec2(i % 64, i / 64) - 31.5f) < 18 ? 255 : 0)});
     }
     const TextureLevels leaf(64, 64, texels);
     std::mt19937 random;
     const auto number = [&] { return float(random() % 2000) / 1000 - 1; };
+    const auto point = [&] { return glm::vec3{number(), number(), number()}; };
     std::vector<Card> tree;
     while (tree.size() < 20'000) {
-        const glm::vec3 a = glm::vec3(number(), number(), number()),
-                        u = 0.06f * glm::vec3(number(), number(), number()),
-                        v = 0.06f * glm::vec3(number(), number(), number());
+        const glm::vec3 a = point(), u = 0.06f * point(), v = 0.06f * point();
         if (glm::length(a) < 1) tree.push_back({{a, a + u, a + u + v, a + v}, &leaf});
     }
     const auto painted = build<Hierarchy, CardSampler>(tree, {}), cards = build<Hierarchy>(tree);

@@ -42,6 +42,7 @@
 #include "farfield/primitive_source.hpp"
 #include "farfield/renderer/coverage_renderer.hpp"
 #include "farfield/renderer/hierarchical_z_renderer.hpp"
+#include "farfield/renderer/keyed_order.hpp"
 #include "farfield/renderer/painter_renderer.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/sampler/paint_texture.hpp"

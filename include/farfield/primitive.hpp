@@ -124,8 +124,9 @@ Work work_of(const P& p) {
 
 /// What a primitive is drawn with, a material or a texture, as a number: primitives of one key lie side by side in
 /// every run of a hierarchy, in the order of their keys, so that a renderer that changes its state with the key does so
-/// a few times a run (for_each_key in drawables.hpp). Pieces that a partition cuts, and the runs of sample sets, whose
-/// first primitives are their sample, stay in their own order.
+/// a few times a run (for_each_key in drawables.hpp), or, in an order of its own, once a range (KeyedOrder). Pieces
+/// that a partition cuts, and the runs of sample sets, whose first primitives are their sample, stay in their own
+/// order.
 template <PrimitiveWithKey P>
 std::uint32_t key_of(const P& p) {
     return primitive_traits<P>::key(p);

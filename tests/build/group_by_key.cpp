@@ -39,7 +39,7 @@ std::vector<Piece> pieces(std::size_t count, std::uint32_t materials) {
         p.vertices = {a, a + 0.05f * glm::vec3(number(), number(), number()),
                       a + 0.05f * glm::vec3(number(), number(), number())};
         p.rgba = {std::uint8_t(random()), 100, 100, 255};
-        p.material = materials == 0 ? std::uint32_t(random()) : random() % materials * 1000;
+        p.material = std::uint32_t(materials == 0 ? random() : random() % materials * 1000);
     }
     return all;
 }
@@ -133,7 +133,7 @@ TEST_CASE("an update groups as a build does") {
         for (std::uint32_t k = 0; k < 20; ++k) {
             changed.push_back(std::uint32_t(random() % 200 + 200 * k));
             Piece& p = all[changed.back()];
-            p.material = random() % 4;
+            p.material = std::uint32_t(random() % 4) * 1000;
             for (glm::vec3& v : p.vertices) v *= 0.75f;
         }
         const H& updated = updater.update(all, changed);
@@ -144,7 +144,7 @@ TEST_CASE("an update groups as a build does") {
     }
 }
 
-TEST_CASE("a cut of four materials comes in about four batches a range") {
+TEST_CASE("a cut of four materials falls into a third of the batches that it would without keys") {
     using H = HierarchyOf<OpacityTensor>;
     const std::vector<Piece> all = pieces(60'000, 4);
     const H h = build<H>(all);
@@ -157,7 +157,7 @@ TEST_CASE("a cut of four materials comes in about four batches a range") {
     const FrameStats stats = viewer.frame(view);
     CHECK(counter.primitives == stats.primitives);
     CHECK(counter.keys.size() == 4);
-    REQUIRE(counter.ranges > 100);
+    // Three of four neighbors have another material.
     INFO(counter.batches << " batches of " << counter.ranges << " ranges, " << stats.primitives << " primitives");
-    CHECK(counter.batches <= 5 * counter.ranges);
+    CHECK(double(counter.batches) < 0.4 * 0.75 * double(stats.primitives));
 }
