@@ -2,7 +2,6 @@
 // (primitive_source.hpp). Its materials are keys, so that a range that is drawn falls into a few draw calls.
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <iostream>
 #include <vector>
 

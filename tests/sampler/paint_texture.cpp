@@ -9,10 +9,12 @@
 
 #include "catch.hpp"
 #include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/exact.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/octree.hpp"
+#include "farfield/primitive/instance.hpp"
 #include "farfield/primitive/triangle.hpp"
 #include "farfield/update.hpp"
 
@@ -273,4 +275,25 @@ TEST_CASE("cards without texture coordinates or texture, and transparent ones, a
     const TextureLevels clear(4, 4, std::vector<Rgba8>(16, Rgba8{9, 9, 9, 0}));
     const auto transparent = build<H, CardSampler>(cards_of(&clear), {});
     CHECK(transparent.stand_ins().empty());
+}
+
+TEST_CASE("instances pass on what their primitives carry, until a stand-in takes their place") {
+    const TextureLevels texture = noise(8, 8, 10);
+    const std::vector<Card> cards = cards_of(&texture);
+    using Inner = HierarchyOf<Exact>;
+    const Inner inner = build<Inner>(cards);
+    Similarity place;
+    place.translation = {1e6, 0, 0};
+    const std::vector<Instance<Inner, Card>> scene{{&inner, cards, place}};
+    std::size_t carried = 0;
+    local_polygons(scene[0], {1e6, 0, 0}, [&](const Polygon& p) { carried += p.carried.get<Card>() != nullptr; });
+    CHECK(carried == cards.size());
+
+    using H = HierarchyOf<OpacityTensor>;
+    const H with_paint = build<H, CardSampler>(cards, {});
+    const std::vector<Instance<H, Card>> painted{{&with_paint, cards, place}};
+    REQUIRE(with_paint.root_stand_in() != nullptr);
+    carried = 0;
+    local_polygons(painted[0], {1e6, 0, 0}, [&](const Polygon& p) { carried += !p.carried.is_empty(); });
+    CHECK(carried == 0);
 }
