@@ -53,7 +53,7 @@ int main() {
     const auto hierarchy = build<SpatialHierarchy<Octree, OpacityTensor, TriangleCount>>(meadow);
     ZBufferRenderer renderer;
     auto viewer = make_viewer(hierarchy, meadow, renderer);
-    const auto stats = viewer.frame({.camera = Camera::perspective({0, 3, 20}, {0, 0, 0}, {0, 1, 0}, 0.8f)});
+    const auto stats = viewer.frame({.camera = Camera::perspective({0, 30, 200}, {0, 0, 0}, {0, 1, 0}, 0.8f)});
     std::cout << stats.primitives << " links and " << stats.approximations << " stand-ins drawn for 160,000 links\n";
     return stats.approximations > 0 && stats.primitives < meadow.primitive_count() ? 0 : 1;
 }

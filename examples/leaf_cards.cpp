@@ -13,7 +13,6 @@ struct Card {
     std::array<glm::vec3, 4> corners;
     const TextureLevels* material = nullptr;
     std::array<glm::vec2, 4> at{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-
     Box bounds() const {
         const auto& [a, b, c, d] = corners;
         return {glm::min(glm::min(a, b), glm::min(c, d)), glm::max(glm::max(a, b), glm::max(c, d))};

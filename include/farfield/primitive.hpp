@@ -1,13 +1,14 @@
 // What the user brings to be drawn: any type with a bounding box. "All that is required is to be able to determine the
 // bounding box of each primitive and to render it" (Chamberlain et al. 1996, section 4).
 //
-// A type plugs in by members or, where it cannot be changed, by a specialization of primitive_traits<T>:
+// A type plugs in by members or, where it cannot be changed, by a specialization of primitive_traits<T>; an object that
+// answers for the primitive of an index, by members that get it (primitive_source.hpp):
 //
 //   bounds()         -> Box or BoxD       required: finite, lower <= upper; double where the scene is far from 0
 //   polygons(sink)   -> void              sink(Polygon) or sink(PolygonD) for each convex polygon it is made of
 //   color()          -> glm::vec4         mean color, not premultiplied, channels in [0, 1]
 //   work()           -> Work              what drawing it takes; default: one triangle
-//   key()            -> std::uint32_t         what it is drawn with, a material: see key_of
+//   key()            -> std::uint32_t     what it is drawn with, a material: see key_of
 //   visit_instance(f)-> bool              f(instance) and true if it is an Instance (instance.hpp), else false
 #pragma once
 
