@@ -13,8 +13,8 @@
 namespace farfield::detail {
 
 /// Of a cell's bounds: masks tell 32 places along a side apart, grids of samples fewer. Texels of half that size are
-/// opaque or not, but for few at borders, where larger ones would be translucent: of what is translucent masks only know
-/// the mean, and not how much of it lies behind one another.
+/// opaque or not, but for few at borders, where larger ones would be translucent: of what is translucent masks only
+/// know the mean, and not how much of it lies behind one another.
 inline constexpr float places_a_side = 64;
 
 template <class Sampler, class Sink>

@@ -2,8 +2,8 @@
 // a hierarchy's ranges are pieces of space, with all keys in each. Kept twice, both are pieces: the primitives of a
 // range, which are one piece in the hierarchy's order, are at most one piece for each key in the order of keys.
 //
-// In a cut of 86,680 triangles of four materials, strewn at random, 325 ranges come in 65,095 batches of one material. It
-// is 11,307 where each run of the hierarchy is grouped by key, and here 1,299.
+// In a cut of 86,680 triangles of four materials, strewn at random, 325 ranges come in 65,095 batches of one material.
+// It is 11,307 where each run of the hierarchy is grouped by key, and here 1,299.
 #pragma once
 
 #include "farfield/settings.hpp"
