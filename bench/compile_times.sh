@@ -85,6 +85,6 @@ echo '#include "experiment_of.hpp"' > "$directory/0.cpp"
 echo "| $* | seconds | MiB |"
 echo "|-|-|-|"
 row "the headers alone" 0.cpp "$@"
-for count in 1 2 4 8 16; do row "$count variants in one file" "$count.cpp" "$@"; done
-row "the list of 16, declared" list.cpp "$@"
-row "one of them, instantiated" one.cpp "$@"
+for count in 1 2 4 8 16; do row "a file with $count of them" "$count.cpp" "$@"; done
+row "the list of 16, where they are declared" list.cpp "$@"
+row "a file that instantiates one, tensors" one.cpp "$@"
