@@ -10,6 +10,7 @@ case "$group" in
     frame | merged_viewer) group=viewer ;;
     executor) group=build ;;
     drawables) group=renderer ;;
+    primitive_source) group=primitive ;;
     image) group=view ;;
 esac
 exec sed -e "s|^namespace farfield {\$|& /** \\\\addtogroup $group */ /** @{ */|" \

@@ -49,7 +49,7 @@ class BandedViewer {
     /// make(band) returns a renderer; all must be made alike. Throws std::invalid_argument for no bands, and what
     /// Viewer throws.
     template <class MakeRenderer>
-    BandedViewer(const H& hierarchy, std::span<const P> primitives, std::size_t bands, MakeRenderer&& make) {
+    BandedViewer(const H& hierarchy, PrimitiveSpan<P> primitives, std::size_t bands, MakeRenderer&& make) {
         if (bands == 0) detail::fail<std::invalid_argument>("farfield::BandedViewer: there must be a band or more");
         bands_.reserve(bands);
         for (std::size_t i = 0; i < bands; ++i) {
@@ -62,7 +62,7 @@ class BandedViewer {
     }
     /// What is borrowed must outlive the viewer, as what is made in the call does not.
     template <class MakeRenderer>
-    BandedViewer(const H&&, std::span<const P>, std::size_t, MakeRenderer&&) = delete;
+    BandedViewer(const H&&, PrimitiveSpan<P>, std::size_t, MakeRenderer&&) = delete;
 
     /// Draws all bands; executor(count, f) calls f(0) ... f(count - 1), on any threads (AnyExecutor, ThreadExecutor).
     /// Counts are those of all bands together: what lies in two is counted twice. If bands throw, the executor decides
@@ -142,6 +142,12 @@ template <class H, class P, class MakeRenderer>
 auto make_banded_viewer(const H& hierarchy, const std::vector<P>& primitives, std::size_t bands, MakeRenderer&& make) {
     using R = decltype(make(std::size_t(0)));
     return BandedViewer<H, P, R>(hierarchy, std::span<const P>(primitives), bands, make);
+}
+/// Of what a source of primitives answers for, see primitive_source.hpp.
+template <class H, CountsPrimitives S, class MakeRenderer>
+auto make_banded_viewer(const H& hierarchy, const S& source, std::size_t bands, MakeRenderer&& make) {
+    using R = decltype(make(std::size_t(0)));
+    return BandedViewer<H, IndexedPrimitive<S>, R>(hierarchy, IndexedSpan<S>(source), bands, make);
 }
 /// What is made in the call is gone before the first frame.
 template <class H, class P, class MakeRenderer>

@@ -25,6 +25,7 @@
 #include "farfield/geometry/box.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/missing_hooks.hpp"
+#include "farfield/primitive_source.hpp"
 #include "farfield/sampler/grid_sampler.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 
@@ -82,8 +83,9 @@ void tell_light([[maybe_unused]] const Sampler& sampler, [[maybe_unused]] Hierar
     }
 }
 
-template <class H, Primitive P, class Sampler>
-typename H::Data build_data(std::span<const P> primitives, const BuildOptions<H, Sampler>& options) {
+template <class H, class Sampler, class Span>
+typename H::Data build_data(const Span& primitives, const BuildOptions<H, Sampler>& options) {
+    using P = PrimitiveIn<Span>;
     const BuildControl control(options.executor, options.progress);
     check_build_options(options);
     auto data =
@@ -106,9 +108,19 @@ template <class H, OrthographicSampler Sampler = GridSampler, detail::Contiguous
 H build(const Range& primitives, const BuildOptions<H, Sampler>& options = {}) {
     using P = std::ranges::range_value_t<Range>;
     static_assert(detail::check_buildable<H, P>());
-    static_assert(detail::check_sampler<Sampler>());
+    static_assert(detail::check_sampler<H, Sampler>());
     const std::span<const P> all(std::ranges::data(primitives), std::ranges::size(primitives));
     return H(options.partition, options.approximation, options.cost_model, detail::build_data(all, options));
+}
+
+/// Builds over a source, which answers for the primitive of an index and stores none (primitive_source.hpp). It is not
+/// kept either.
+template <class H, OrthographicSampler Sampler = GridSampler, CountsPrimitives S>
+H build(const S& source, const BuildOptions<H, Sampler>& options = {}) {
+    static_assert(detail::check_buildable<H, IndexedPrimitive<S>>());
+    static_assert(detail::check_sampler<H, Sampler>());
+    return H(options.partition, options.approximation, options.cost_model,
+             detail::build_data(IndexedSpan<S>(source), options));
 }
 
 /// Says how a build names what it builds.

@@ -18,6 +18,7 @@
 #include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/rgba8.hpp"
 #include "farfield/primitive.hpp"
+#include "farfield/primitive_source.hpp"
 
 namespace farfield {
 
@@ -33,7 +34,7 @@ struct Range {
 /// Where the primitives of a run come from. Spans stay valid as long as the viewer that hands it over.
 template <class P>
 struct Source {
-    std::span<const P> primitives;
+    PrimitiveSpan<P> primitives;
     std::span<const std::uint32_t> order;  ///< position -> index into primitives; empty: positions are indices
     std::uint32_t item_count = 0;          ///< number of positions; larger than primitives.size() where shared or cut
     glm::dvec3 origin{0};                  ///< subtract it from the primitive's coordinates to get the local ones
@@ -44,15 +45,15 @@ struct Source {
     bool changes = false;
 
     /// The primitive, or the one that the position's fragment is a piece of.
-    const P& operator[](std::uint32_t position) const { return primitives[order.empty() ? position : order[position]]; }
+    decltype(auto) operator[](std::uint32_t position) const { return primitives[index_of(position)]; }
+    /// The number of that primitive among all that there are.
+    std::uint32_t index_of(std::uint32_t position) const { return order.empty() ? position : order[position]; }
 
     /// Tells that positions from this one on are wanted in turn: in memory they lie all over, where there is an order.
     void prefetch(std::uint32_t position) const {
         constexpr std::uint32_t ahead = 12;
         if (order.empty() || !fragments.empty() || order.size() - position <= ahead) return;
-        const char* primitive = reinterpret_cast<const char*>(primitives.data() + order[position + ahead]);
-        __builtin_prefetch(primitive);
-        if constexpr (sizeof(P) > 16) __builtin_prefetch(primitive + sizeof(P) - 1);
+        detail::prefetch_primitive<P>(primitives, order[position + ahead]);
     }
 
     /// Calls sink(Polygon) with what the position holds, in local coordinates: prefer it to the primitive's own
@@ -70,6 +71,20 @@ struct Source {
         local_polygons(primitive, origin, sink);
     }
 };
+
+/// Calls f(key, part) for the parts of a range whose primitives have one key each (key_of), in their order: a draw call
+/// each, in the same state.
+template <PrimitiveWithKey P, class F>
+void for_each_key(const Source<P>& source, const Range& range, F&& f) {
+    Range part = range;
+    for (std::uint32_t at = range.first, end = at + range.count; at < end; at = part.first + part.count) {
+        const std::uint32_t key = key_of(source[at]);
+        part.first = at++;
+        while (at < end && key_of(source[at]) == key) ++at;
+        part.count = at - part.first;
+        f(key, std::as_const(part));
+    }
+}
 
 /// A node of a hierarchy, unique over all paths of instances and stable from frame to frame.
 struct CellId {

@@ -19,6 +19,7 @@
 #include "farfield/cost_model.hpp"
 #include "farfield/partition.hpp"
 #include "farfield/primitive.hpp"
+#include "farfield/primitive_source.hpp"
 #include "farfield/renderer.hpp"
 #include "farfield/sampler.hpp"
 
@@ -249,8 +250,39 @@ constexpr bool check_policies() {
     return true;
 }
 
+/// What check_primitive() says of members, said of a source's.
+template <class S>
+constexpr bool check_source_hooks() {
+    static_assert(Primitive<IndexedPrimitive<S>>,
+                  "farfield: a source of primitives needs `Box bounds(std::uint32_t i) const`, or a BoxD");
+    static_assert(PrimitiveWithPolygons<IndexedPrimitive<S>> ||
+                      !((requires(S & s) { s.polygons(0u); }) || requires { &S::polygons; } ||
+                        requires(S & s, archetype::PolygonSink sink) { s.polygons(0u, sink); }),
+                  "farfield: the source's polygons() must be `template <class Sink> void polygons(std::uint32_t i, "
+                  "Sink&& sink) const`");
+    static_assert(
+        PrimitiveWithColor<IndexedPrimitive<S>> || !requires { &S::color; },
+        "farfield: the source's color() must be `glm::vec4 color(std::uint32_t i) const`");
+    static_assert(
+        PrimitiveWithWork<IndexedPrimitive<S>> || !requires { &S::work; },
+        "farfield: the source's work() must be `Work work(std::uint32_t i) const`");
+    static_assert(
+        PrimitiveWithKey<IndexedPrimitive<S>> || !requires { &S::key; },
+        "farfield: the source's key() must be `std::uint32_t key(std::uint32_t i) const`");
+    static_assert(PrimitiveWithInstance<IndexedPrimitive<S>> ||
+                      !(requires(S & s, archetype::InstanceVisitor f) { s.visit_instance(0u, f); }),
+                  "farfield: the source's visit_instance() must be `template <class F> bool "
+                  "visit_instance(std::uint32_t i, F&& f) const`");
+    return true;
+}
+template <class P>
+inline constexpr bool source_hooks_are_sound = true;
+template <class S>
+inline constexpr bool source_hooks_are_sound<IndexedPrimitive<S>> = check_source_hooks<S>();
+
 template <class P>
 constexpr bool check_primitive() {
+    static_assert(source_hooks_are_sound<P>);
     using Traits = primitive_traits<P>;
     static_assert(Primitive<P>,
                   "farfield: a primitive needs `Box bounds() const`, or a BoxD, as a member or in a "
@@ -266,6 +298,8 @@ constexpr bool check_primitive() {
                   "farfield: the primitive has colour(), which nobody asks for: `color` is what is meant");
     static_assert(PrimitiveWithWork<P> || !((requires(P & p) { p.work(); }) || requires(P & p) { Traits::work(p); }),
                   "farfield: the primitive's work() must be `Work work() const`");
+    static_assert(PrimitiveWithKey<P> || !((requires(P & p) { p.key(); }) || requires(P & p) { Traits::key(p); }),
+                  "farfield: the primitive's key() must be `std::uint32_t key() const`");
     static_assert(PrimitiveWithInstance<P> || !(requires(P & p, archetype::InstanceVisitor f) { p.visit_instance(f); }),
                   "farfield: the primitive's visit_instance() must be `template <class F> bool visit_instance(F&& f) "
                   "const`");
@@ -288,8 +322,21 @@ constexpr bool check_buildable() {
     return true;
 }
 
-template <class S>
+template <class H, class S>
 constexpr bool check_sampler() {
+    static_assert(
+        PaintsPolygons<S> ||
+            !(
+                requires(S & s, const Polygon& polygon, const Box& seen, archetype::PaintedSink sink) {
+                    s.paint(polygon, seen, 1.0f, sink);
+                } ||
+                requires(S & s, const Polygon& polygon, archetype::PaintedSink sink) { s.paint(polygon, sink); } ||
+                requires { &S::paint; }),
+        "farfield: the sampler's paint() must be `template <class Sink> void paint(const Polygon&, const Box& "
+        "seen, float finest, Sink&& sink) const`");
+    static_assert(!PaintsPolygons<S> || !H::approximation_type::facts.stands_in || H::assignment != Assignment::clipped,
+                  "farfield: the sampler has paint(), which needs a partition that does not cut polygons: pieces carry "
+                  "no values");
     static_assert(LightsPolygons<S> || !(requires(S & s, const Polygon& polygon, glm::vec3 facing_viewer) {
                       s.brightness(polygon, facing_viewer);
                   }),

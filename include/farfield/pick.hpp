@@ -29,6 +29,7 @@
 #include "farfield/geometry/visit_order.hpp"
 #include "farfield/hierarchy/node.hpp"
 #include "farfield/primitive.hpp"
+#include "farfield/primitive_source.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/view.hpp"
 #include "farfield/view/pixel_ray.hpp"
@@ -60,8 +61,9 @@ class Picking {
 
     /// `ray` is in the user's coordinates of this hierarchy; distances mean the same in all, for an instance's ray is
     /// made shorter as its contents are made larger.
-    template <class H, class P>
-    void search(const H& hierarchy, std::span<const P> primitives, Ray ray) {
+    template <class H, class Span>
+    void search(const H& hierarchy, const Span& primitives, Ray ray) {
+        using P = PrimitiveIn<Span>;
         if (!PagedAtRunTime<H> && primitives.size() != hierarchy.primitive_count()) {
             fail<std::invalid_argument>(
                 "farfield::pick: a hierarchy is given more or fewer primitives than it was "
@@ -199,6 +201,19 @@ class Picking {
     bool is_incomplete_ = false;
 };
 
+template <class H, class Span, class Accept>
+std::optional<PickedPrimitive> pick(const H& hierarchy, const Span& primitives, const Ray& ray, Accept accept) {
+    using P = PrimitiveIn<Span>;
+    static_assert(PrimitiveWithPolygons<P> || PrimitiveWithInstance<P>,
+                  "farfield::pick: the primitive needs polygons(sink), see farfield/primitive.hpp");
+    if (!ray.is_valid()) {
+        detail::fail<std::invalid_argument>("farfield::pick: a ray needs an origin and a direction that are finite");
+    }
+    Picking<Accept> picking(accept);
+    picking.search(hierarchy, primitives, ray);
+    return picking.found();
+}
+
 }  // namespace detail
 
 /// The first primitive along a ray, in the coordinates that the hierarchy was built from, or nothing. It is found among
@@ -214,14 +229,11 @@ class Picking {
 template <class H, class P, class Accept = detail::AcceptAll>
 std::optional<PickedPrimitive> pick(const H& hierarchy, std::span<const P> primitives, const Ray& ray,
                                     Accept accept = {}) {
-    static_assert(PrimitiveWithPolygons<P> || PrimitiveWithInstance<P>,
-                  "farfield::pick: the primitive needs polygons(sink), see farfield/primitive.hpp");
-    if (!ray.is_valid()) {
-        detail::fail<std::invalid_argument>("farfield::pick: a ray needs an origin and a direction that are finite");
-    }
-    detail::Picking<Accept> picking(accept);
-    picking.search(hierarchy, primitives, ray);
-    return picking.found();
+    return detail::pick(hierarchy, primitives, ray, std::move(accept));
+}
+template <class H, CountsPrimitives S, class Accept = detail::AcceptAll>
+std::optional<PickedPrimitive> pick(const H& hierarchy, const S& source, const Ray& ray, Accept accept = {}) {
+    return detail::pick(hierarchy, IndexedSpan<S>(source), ray, std::move(accept));
 }
 template <class H, class P, class Accept = detail::AcceptAll>
 std::optional<PickedPrimitive> pick(const H& hierarchy, const std::vector<P>& primitives, const Ray& ray,
@@ -240,6 +252,12 @@ template <class H, class P, class Accept = detail::AcceptAll>
 std::optional<PickedPrimitive> pick(const H& hierarchy, const std::vector<P>& primitives, const View& view,
                                     glm::dvec2 pixel, Accept accept = {}) {
     return pick(hierarchy, std::span<const P>(primitives), view, pixel, std::move(accept));
+}
+
+template <class H, CountsPrimitives S, class Accept = detail::AcceptAll>
+std::optional<PickedPrimitive> pick(const H& hierarchy, const S& source, const View& view, glm::dvec2 pixel,
+                                    Accept accept = {}) {
+    return detail::pick(hierarchy, IndexedSpan<S>(source), ray_through(view, pixel), std::move(accept));
 }
 
 /// What was picked in pages, which know no indices.

@@ -1,12 +1,14 @@
 // What the user brings to be drawn: any type with a bounding box. "All that is required is to be able to determine the
 // bounding box of each primitive and to render it" (Chamberlain et al. 1996, section 4).
 //
-// A type plugs in by members or, where it cannot be changed, by a specialization of primitive_traits<T>:
+// A type plugs in by members or, where it cannot be changed, by a specialization of primitive_traits<T>; an object that
+// answers for the primitive of an index, by members that get it (primitive_source.hpp):
 //
 //   bounds()         -> Box or BoxD       required: finite, lower <= upper; double where the scene is far from 0
 //   polygons(sink)   -> void              sink(Polygon) or sink(PolygonD) for each convex polygon it is made of
 //   color()          -> glm::vec4         mean color, not premultiplied, channels in [0, 1]
 //   work()           -> Work              what drawing it takes; default: one triangle
+//   key()            -> std::uint32_t     what it is drawn with, a material: see key_of
 //   visit_instance(f)-> bool              f(instance) and true if it is an Instance (instance.hpp), else false
 #pragma once
 
@@ -42,6 +44,10 @@ template <class P>
 concept HasWork = requires(const P& p) {
     { p.work() } -> std::same_as<Work>;
 };
+template <class P>
+concept HasKey = requires(const P& p) {
+    { p.key() } -> std::same_as<std::uint32_t>;
+};
 template <class P, class F>
 concept HasVisitInstance = requires(const P& p, F& f) {
     { p.visit_instance(f) } -> std::convertible_to<bool>;
@@ -58,6 +64,7 @@ struct primitive_traits {
     static void polygons(const P& p, Sink&& sink) requires detail::HasPolygons<P, Sink> { p.polygons(sink); }
     static glm::vec4 color(const P& p) requires detail::HasColor<P> { return p.color(); }
     static Work work(const P& p) requires detail::HasWork<P> { return p.work(); }
+    static std::uint32_t key(const P& p) requires detail::HasKey<P> { return p.key(); }
     template <class F>
     static bool visit_instance(const P& p, F&& f) requires detail::HasVisitInstance<P, F> { return p.visit_instance(f); }
     // clang-format on
@@ -98,6 +105,11 @@ concept PrimitiveWithWork = Primitive<P> && requires(const P& p) {
 };
 
 template <class P>
+concept PrimitiveWithKey = Primitive<P> && requires(const P& p) {
+    { primitive_traits<P>::key(p) } -> std::same_as<std::uint32_t>;
+};
+
+template <class P>
 concept PrimitiveWithInstance = Primitive<P> && requires(const P& p, archetype::InstanceVisitor f) {
     { primitive_traits<P>::visit_instance(p, f) } -> std::same_as<bool>;
 };
@@ -109,6 +121,16 @@ Work work_of(const P& p) {
     } else {
         return {.triangles = 1};
     }
+}
+
+/// What a primitive is drawn with, a material or a texture, as a number: primitives of one key lie side by side in
+/// every run of a hierarchy, in the order of their keys, so that a renderer that changes its state with the key does so
+/// a few times a run (for_each_key in drawables.hpp), or, in an order of its own, once a range (KeyedOrder). Pieces
+/// that a partition cuts, and the runs of sample sets, whose first primitives are their sample, stay in their own
+/// order.
+template <PrimitiveWithKey P>
+std::uint32_t key_of(const P& p) {
+    return primitive_traits<P>::key(p);
 }
 
 template <Primitive P>

@@ -66,6 +66,26 @@ concept TellsItsLight = requires(const S& s) {
 };
 
 namespace archetype {
+struct PaintedSink {
+    void operator()(const Polygon&) const {}
+};
+}  // namespace archetype
+
+/// A sampler that knows more of a polygon's looks than its colors say, from the value that it carries:
+///
+///     template <class Sink> void paint(const Polygon&, const Box& seen, float finest, Sink&& sink) const
+///
+/// calls sink(Polygon) for what is seen in the polygon's place, in its plane: pieces of a texture, or nothing where it
+/// is transparent. Details below `finest` are lost anyway, and so is all outside of `seen`; both in local coordinates,
+/// as the polygon. It is asked about each polygon that carries a value, and all that a build makes of polygons, areas,
+/// masks and colors, is made of what it sends. paint_texture() (sampler/paint_texture.hpp) does it for textures.
+/// Partitions that cut polygons have none left that carry anything, and are refused.
+template <class S>
+concept PaintsPolygons = requires(const S& s, const Polygon& polygon, const Box& seen, archetype::PaintedSink sink) {
+    s.paint(polygon, seen, 1.0f, sink);
+};
+
+namespace archetype {
 struct Sampler {
     template <class Visit>
     void sample(const SampleGrid&, Visit&&, std::span<Rgba8>) {}

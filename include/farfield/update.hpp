@@ -28,6 +28,7 @@
 #include "farfield/build/cell_tree.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/primitive.hpp"
+#include "farfield/primitive_source.hpp"
 #include "farfield/sampler/grid_sampler.hpp"
 
 namespace farfield {
@@ -139,10 +140,10 @@ class HierarchyUpdater {
     static constexpr bool updates_cells = detail::decides_cell_by_cell<H>;
 
     /// Builds the first version; throws what build() throws.
-    explicit HierarchyUpdater(std::span<const P> primitives, const BuildOptions<H, Sampler>& options = {})
+    explicit HierarchyUpdater(PrimitiveSpan<P> primitives, const BuildOptions<H, Sampler>& options = {})
         : options_(options), tree_(make_tree(options)) {
         static_assert(detail::check_buildable<H, P>());
-        static_assert(detail::check_sampler<Sampler>());
+        static_assert(detail::check_sampler<H, Sampler>());
         detail::check_build_options(options);
         make(primitives, {});
     }
@@ -155,7 +156,7 @@ class HierarchyUpdater {
     ///
     /// Throws std::invalid_argument naming an index that is out of range or is there twice, or what build() throws; the
     /// latest version is then what it was, and the next call may be about any primitives whatever and builds anew.
-    const H& update(std::span<const P> primitives, std::span<const std::uint32_t> changed) {
+    const H& update(PrimitiveSpan<P> primitives, std::span<const std::uint32_t> changed) {
         const std::size_t before = hierarchy_.primitive_count();
         const std::size_t fewer = std::min(before, primitives.size()), more = std::max(before, primitives.size());
         std::vector<std::uint32_t> all(changed.begin(), changed.end());
@@ -179,7 +180,7 @@ class HierarchyUpdater {
         }
     }
 
-    void make(std::span<const P> primitives, [[maybe_unused]] std::span<const std::uint32_t> changed) {
+    void make(PrimitiveSpan<P> primitives, [[maybe_unused]] std::span<const std::uint32_t> changed) {
         if constexpr (updates_cells) {
             if (options_.memory_budget_bytes == 0) {
                 const detail::BuildControl control(options_.executor, options_.progress);

@@ -28,6 +28,7 @@
 #include "farfield/frame/selection.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/missing_hooks.hpp"
+#include "farfield/primitive_source.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 #include "farfield/view.hpp"
 #include "farfield/view/local_view.hpp"
@@ -99,7 +100,7 @@ class Viewer {
     /// Throws std::invalid_argument if the span is not the one (by count; for hierarchies from files also by bounds)
     /// that the hierarchy, or an instance in it, was built from; or if the renderer needs polygons in strict order and
     /// one of them does not keep it.
-    Viewer(const H& hierarchy, std::span<const P> primitives, R& renderer)
+    Viewer(const H& hierarchy, PrimitiveSpan<P> primitives, R& renderer)
         : hierarchy_(hierarchy),
           primitives_(primitives),
           renderer_(renderer),
@@ -125,7 +126,7 @@ class Viewer {
         if (PagedAtRunTime<H> || !sources_.add_all_of(other.sources_)) sources_.add_all(hierarchy_, primitives_);
     }
     /// What is borrowed must outlive the viewer, as what is made in the call does not.
-    Viewer(const H&&, std::span<const P>, R&) = delete;
+    Viewer(const H&&, PrimitiveSpan<P>, R&) = delete;
     template <detail::OwningTemporary Range>
     Viewer(const H&, Range&&, R&) = delete;
     Viewer(const Viewer&) = delete;
@@ -301,7 +302,7 @@ class Viewer {
     }
 
     detail::HeldHierarchy<H> hierarchy_;
-    std::span<const P> primitives_;
+    PrimitiveSpan<P> primitives_;
     R& renderer_;
     FrameStats stats_;
     detail::SourceTable<R> sources_;
@@ -322,6 +323,11 @@ template <class H, class P, class R>
 auto make_viewer(const H& hierarchy, const std::vector<P>& primitives, R& renderer) {
     return Viewer<H, P, R>(hierarchy, std::span<const P>(primitives), renderer);
 }
+/// Of what a source of primitives answers for, see primitive_source.hpp.
+template <class H, CountsPrimitives S, class R>
+auto make_viewer(const H& hierarchy, const S& source, R& renderer) {
+    return Viewer<H, IndexedPrimitive<S>, R>(hierarchy, IndexedSpan<S>(source), renderer);
+}
 template <class H, class R>
 requires PagedAtRunTime<H>
 auto make_viewer(const H& hierarchy, R& renderer) {
@@ -334,5 +340,9 @@ template <class H, class P, class R>
 void make_viewer(const H&&, const std::vector<P>&, R&&) = delete;
 template <class H, class P, class R>
 void make_viewer(const H&, const std::vector<P>&&, R&&) = delete;
+template <class H, CountsPrimitives S, class R>
+void make_viewer(const H&&, const S&, R&&) = delete;
+template <class H, CountsPrimitives S, class R>
+void make_viewer(const H&, const S&&, R&&) = delete;
 
 }  // namespace farfield

@@ -155,3 +155,26 @@ TEST_CASE("a sink whose type is forgotten gets what it is sent, of either precis
     CHECK(single_corners == 3);
     CHECK(double_corners == 4);
 }
+
+TEST_CASE("a polygon carries a value to whoever asks for its type, through maps and sinks of no type", "[geometry]") {
+    struct Leaf {
+        int number;
+    };
+    const std::vector<glm::vec3> vertices = rim(64), many = rim(65);
+    const Rgba8 color{};
+    const Leaf leaf{7};
+    const Polygon carrying{vertices, {&color, 1}, false, leaf}, divided{many, {&color, 1}, false, leaf};
+    CHECK(carrying.carried.get<Leaf>() == &leaf);
+    CHECK(carrying.carried.get<int>() == nullptr);
+    CHECK((Polygon{vertices, {&color, 1}}.carried.is_empty() && CarriedValue().get<Leaf>() == nullptr));
+    int carried = 0, empty = 0;
+    const auto count = [&](const auto& polygon) {
+        carried += polygon.carried.template get<Leaf>() == &leaf;
+        empty += polygon.carried.is_empty();
+    };
+    const AnyPolygonSink any(count);
+    map_polygon<double>(carrying, as_it_is, any);
+    CHECK((carried == 1 && empty == 0));
+    map_polygon<float>(divided, as_it_is, any);
+    CHECK((carried == 1 && empty == 2));
+}

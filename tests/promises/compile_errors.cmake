@@ -141,6 +141,24 @@ expect(wrong_color "`glm::vec4 color() const`"
        "${cubes} ${box} ${polygons} const char* color() const { return nullptr; } ${things}")
 expect(wrong_visit_instance "bool visit_instance(F&& f)"
        "${cubes} ${box} ${polygons} void visit_instance(auto&&) const {} ${things}")
+expect(wrong_key "`std::uint32_t key() const`"
+       "${cubes} ${box} ${polygons} const char* key() const { return nullptr; } ${things}")
+
+# --- sources of primitives
+
+set(source "struct Mesh { std::size_t primitive_count() const { return 0; } ")
+set(sources "}; int main() { Mesh mesh; build<Cubes>(mesh); }")
+set(box "Box bounds(std::uint32_t) const { return {}; } ")
+set(polygons "void polygons(std::uint32_t, auto&&) const {} ")
+expect(no_count "CountsPrimitives" "${cubes} struct Mesh { ${box} ${polygons} ${sources}")
+expect(no_source_bounds "Box bounds(std::uint32_t i) const" "${cubes} ${source} ${polygons} ${sources}")
+expect(no_source_polygons "polygons(Sink&& sink)" "${cubes} ${source} ${box} ${sources}")
+expect(polygons_without_sink "polygons(std::uint32_t i, Sink&& sink)"
+       "${cubes} ${source} ${box} void polygons(std::uint32_t) const {} ${sources}")
+expect(wrong_source_key "`std::uint32_t key(std::uint32_t i) const`"
+       "${cubes} ${source} ${box} ${polygons} int key(std::uint32_t) const { return 1; } ${sources}")
+expect(wrong_source_work "`Work work(std::uint32_t i) const`"
+       "${cubes} ${source} ${box} ${polygons} Work work() const { return {}; } ${sources}")
 
 # --- samplers, and what is built
 
@@ -148,6 +166,13 @@ expect(wrong_brightness "float brightness("
        "${cubes} struct Sampler { void sample(const SampleGrid&, auto&&, std::span<Rgba8>) {}
           const char* brightness(const Polygon&, glm::vec3) const { return nullptr; } };
         ${triangles} build<Cubes>(triangles, BuildOptions<Cubes, Sampler>{}); }")
+expect(wrong_paint "paint(const Polygon&, const Box& seen, float finest, Sink&& sink) const"
+       "${cubes} struct Sampler : GridSampler { void paint(const Polygon&, auto&&) const {} };
+        ${triangles} build<Cubes>(triangles, BuildOptions<Cubes, Sampler>{}); }")
+expect(paint_of_pieces "needs a partition that does not cut polygons"
+       "struct Sampler : GridSampler { void paint(const Polygon&, const Box&, float, auto&&) const {} };
+        using H = SpatialHierarchy<PolygonBsp, ColorCube, TriangleCount>;
+        ${triangles} build<H>(triangles, BuildOptions<H, Sampler>{}); }")
 expect(no_hierarchy "build<SpatialHierarchy<Octree, OpacityTensor, TriangleCount>>(primitives)"
        "${triangles} auto h = build(triangles); }")
 

@@ -13,7 +13,7 @@ function(may_include room)
 endfunction()
 
 set(contracts approximation.hpp camera.hpp camera_from_matrices.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp missing_hooks.hpp partition.hpp
-              primitive.hpp renderer.hpp sampler.hpp view view.hpp wanted_error.hpp)
+              primitive.hpp primitive_source.hpp renderer.hpp sampler.hpp view view.hpp wanted_error.hpp)
 set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
 set(frame frame ${hierarchy})
 
@@ -77,6 +77,7 @@ tested_by(approximation/image_cache frame/image_chooser raster/samples/kept_imag
           raster/samples/sliced_buffers)
 tested_by(build/cell_splitter build/build_node build/cell_decision build/small_subtrees)
 tested_by(build/move_up build/sample_race)
+tested_by(sampler/paint_texture build/painted_contents)
 tested_by(update build/cell_tree build/kept_cells build/kept_stand_ins build/version_before)
 tested_by(spatial_hierarchy build/hierarchy_builder build/stand_in_drafter build/freeze build/idle_nodes geometry/visit_order hierarchy/build_report hierarchy/hierarchy_data)
 tested_by(renderer/z_buffer_renderer raster/render_options)

@@ -8,7 +8,9 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "farfield/build/build_node.hpp"
@@ -16,6 +18,7 @@
 #include "farfield/geometry/triangle_box.hpp"
 #include "farfield/partition.hpp"
 #include "farfield/primitive.hpp"
+#include "farfield/primitive_source.hpp"
 
 namespace farfield::detail {
 
@@ -33,8 +36,11 @@ inline constexpr std::uint16_t in_other_cells = 1u << 8;
 
 /// Says whether a primitive meets a box, for place().
 template <Primitive P>
-auto touches_of(const P& primitive, [[maybe_unused]] glm::dvec3 origin) {
-    return [&primitive, origin]([[maybe_unused]] const Box& box) {
+auto touches_of(const P& asked, [[maybe_unused]] glm::dvec3 origin) {
+    // One that a source makes is gone when the question is asked.
+    using Kept = std::conditional_t<is_indexed<P>, P, std::reference_wrapper<const P>>;
+    return [kept = Kept(asked), origin]([[maybe_unused]] const Box& box) {
+        const P& primitive = kept;
         static_cast<void>(primitive), static_cast<void>(origin);  // primitives without polygons
         if constexpr (PrimitiveWithInstance<P>) {
             // An instance may hold more polygons than all the rest of the scene: its bounds have to do.

@@ -32,7 +32,7 @@ class CellSplitter {
     using Draft = BuildNode<typename Partition_::node_data>;
     static constexpr bool items_are_shared = agreed_assignment<Partition_, A> == Assignment::shared;
 
-    CellSplitter(std::span<const P> primitives, const Partition_& partition, const A& approximation, const C& cost,
+    CellSplitter(PrimitiveSpan<P> primitives, const Partition_& partition, const A& approximation, const C& cost,
                  const BuildBudget& budget, const BuildControl& control, HierarchyData<Partition_, A>& data)
         : primitives_(primitives),
           partition_(partition),
@@ -221,7 +221,7 @@ class CellSplitter {
                sizeof(std::uint32_t);
     }
 
-    std::span<const P> primitives_;
+    PrimitiveSpan<P> primitives_;
     const Partition_& partition_;
     const A& approximation_;
     const C& cost_;

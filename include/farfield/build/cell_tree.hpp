@@ -18,6 +18,7 @@
 
 #include "farfield/build/build_control.hpp"
 #include "farfield/build/build_node.hpp"
+#include "farfield/build/group_by_key.hpp"
 #include "farfield/build/kept_stand_ins.hpp"
 #include "farfield/build/read_primitives.hpp"
 #include "farfield/build/version_before.hpp"
@@ -49,7 +50,7 @@ class CellTree : KeptStandIns<H, P, Sampler> {
              const BoxD& world)
         : StandIns(partition, approximation, cost, sampler), world_(world) {}
 
-    Data build(std::span<const P> primitives, const BuildControl& control) {
+    Data build(PrimitiveSpan<P> primitives, const BuildControl& control) {
         primitives_ = primitives;
         ++version_;
         facts_ = {};
@@ -79,7 +80,7 @@ class CellTree : KeptStandIns<H, P, Sampler> {
     /// The primitives differ from those before at the indices `changed` alone, which has all that are new or gone.
     /// `before` is what came of those; it is copied from where nothing changes. Throws what build() throws of
     /// primitives that are refused, before anything has changed.
-    Data update(std::span<const P> primitives, std::span<const std::uint32_t> changed, const Arrays& before,
+    Data update(PrimitiveSpan<P> primitives, std::span<const std::uint32_t> changed, const Arrays& before,
                 const BuildControl& control) {
         std::vector<Item> items;
         HierarchyFacts facts = facts_;
@@ -107,7 +108,7 @@ class CellTree : KeptStandIns<H, P, Sampler> {
     using Before = VersionBefore<Arrays, Data>;
 
     /// False if the coordinates or the root's cell are others now, and so everything.
-    bool read_changed(std::span<const P> primitives, std::span<const std::uint32_t> changed, HierarchyFacts& facts,
+    bool read_changed(PrimitiveSpan<P> primitives, std::span<const std::uint32_t> changed, HierarchyFacts& facts,
                       std::vector<Item>& items) const {
         // Rounding keeps the order, so what reaches furthest does so in single precision too.
         bool shrinks = false;
@@ -214,8 +215,10 @@ class CellTree : KeptStandIns<H, P, Sampler> {
                   .levels_replaced = std::uint8_t(twig.reproduces ? 1 : 0)};
         if (twig.takes_all) {
             append_all(n, data_.order);
+            group_last_run(node);
         } else {
             append_run(n, data_.order);
+            group_last_run(node);
             const auto first = std::uint32_t(data_.nodes.size());
             for_each_child(n, [&](unsigned c, std::uint32_t child) {
                 if (items_in(child) == 0) return;
@@ -235,6 +238,12 @@ class CellTree : KeptStandIns<H, P, Sampler> {
         }
         mark_levels_below(node, std::span<const Node>(data_.nodes).subspan(node.first_child), has_stand_in);
         data_.nodes[at] = node;
+    }
+
+    void group_last_run([[maybe_unused]] const Node& node) {
+        if constexpr (groups_by_key<H, P>) {
+            group_by_key(primitives_, std::span(data_.order).subspan(node.first_item), keys_);
+        }
     }
 
     void append_stand_in([[maybe_unused]] std::uint32_t n) {
@@ -271,6 +280,7 @@ class CellTree : KeptStandIns<H, P, Sampler> {
     Fingerprint fingerprint_;
     std::vector<std::uint64_t> parts_;  ///< of the fingerprint, by primitive
     Data data_;                         ///< while a version is made
+    std::vector<KeyedItem> keys_;       ///< the same
 };
 
 }  // namespace farfield::detail

@@ -19,6 +19,7 @@
 #include "farfield/build/build_node.hpp"
 #include "farfield/build/cell_splitter.hpp"
 #include "farfield/build/freeze.hpp"
+#include "farfield/build/group_by_key.hpp"
 #include "farfield/build/idle_nodes.hpp"
 #include "farfield/build/move_up.hpp"
 #include "farfield/build/polygon_splitter.hpp"
@@ -51,7 +52,7 @@ class HierarchyBuilder {
   public:
     using Data = HierarchyData<Partition_, A>;
 
-    HierarchyBuilder(std::span<const P> primitives, const Partition_& partition, const A& approximation, const C& cost,
+    HierarchyBuilder(PrimitiveSpan<P> primitives, const Partition_& partition, const A& approximation, const C& cost,
                      const Sampler& sampler, const BuildBudget& budget, const BuildControl& control)
         : primitives_(primitives),
           partition_(partition),
@@ -70,6 +71,7 @@ class HierarchyBuilder {
         }
         if constexpr (A::facts.stands_in) make_stand_ins();
         freeze<Partition_, A>(nodes_, stand_ins_, data_);
+        if constexpr (groups_by_key<H, P>) group_runs(primitives_, data_);
         return std::move(data_);
     }
 
@@ -227,7 +229,7 @@ class HierarchyBuilder {
         return data;
     }
 
-    std::span<const P> primitives_;
+    PrimitiveSpan<P> primitives_;
     const Partition_& partition_;
     const A& approximation_;
     const C& cost_;

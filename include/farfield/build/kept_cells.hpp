@@ -315,7 +315,7 @@ requires(decides_cell_by_cell<H>) class KeptCells {
     std::uint32_t version_ = 0;
 
     // While a version is made.
-    std::span<const P> primitives_;
+    PrimitiveSpan<P> primitives_;
     std::vector<std::uint32_t> touched_, removed_;
 };
 

@@ -16,6 +16,7 @@
 #include "farfield/approximation.hpp"
 #include "farfield/build/build_control.hpp"
 #include "farfield/build/kept_cells.hpp"
+#include "farfield/build/painted_contents.hpp"
 #include "farfield/build/prune_stand_ins.hpp"
 #include "farfield/build/sample_race.hpp"
 #include "farfield/hierarchy/node.hpp"
@@ -57,7 +58,9 @@ class KeptStandIns : protected KeptCells<H, P> {
                     };
                     merges ? send(twigs_[n].own) : visit_runs(n, send);
                 };
-                twigs_[n].draft = approximation_.sample(twigs_[n].cell, contents, sampler);
+                twigs_[n].draft = with_painted(sampler, twigs_[n].cell, contents, [&](const auto& painted) {
+                    return approximation_.sample(twigs_[n].cell, painted, sampler);
+                });
             }
         });
         if constexpr (A::facts.merges_octants) {

@@ -31,7 +31,7 @@ class PolygonSplitter {
     using Branch = PolygonSubtree<Partition_>;
     using Draft = typename Branch::Draft;
 
-    PolygonSplitter(std::span<const P> primitives, const Partition_& partition, const A& approximation, const C& cost,
+    PolygonSplitter(PrimitiveSpan<P> primitives, const Partition_& partition, const A& approximation, const C& cost,
                     const BuildBudget& budget, const BuildControl& control, HierarchyData<Partition_, A>& data)
         : primitives_(primitives),
           partition_(partition),
@@ -202,7 +202,7 @@ class PolygonSplitter {
         data_.facts.report.cells_out_of_order += r.cells_out_of_order;
     }
 
-    std::span<const P> primitives_;
+    PrimitiveSpan<P> primitives_;
     const Partition_& partition_;
     const C& cost_;
     float least_cost_;

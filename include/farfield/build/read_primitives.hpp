@@ -16,6 +16,7 @@
 #include "farfield/fail.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
+#include "farfield/primitive_source.hpp"
 
 namespace farfield::detail {
 
@@ -109,9 +110,9 @@ inline Box bounds_of_root(const HierarchyFacts& facts, const BoxD& world) {
 }
 
 /// Fills in what `facts` say of the whole scene, except for the root, and calls take(Item) for each primitive.
-template <CostModel C, Primitive P, class Take>
-void read_primitives(std::span<const P> primitives, const C& cost, const BoxD& world, HierarchyFacts& facts,
-                     Take&& take) {
+template <CostModel C, class Span, class Take>
+void read_primitives(const Span& primitives, const C& cost, const BoxD& world, HierarchyFacts& facts, Take&& take) {
+    using P = PrimitiveIn<Span>;
     check_primitive_count(primitives.size());
     Fingerprint fingerprint;
     auto whole = decltype(primitive_traits<P>::bounds(std::declval<const P&>()))::empty();

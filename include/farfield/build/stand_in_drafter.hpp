@@ -15,6 +15,7 @@
 
 #include "farfield/build/build_control.hpp"
 #include "farfield/build/build_node.hpp"
+#include "farfield/build/painted_contents.hpp"
 #include "farfield/composition.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
 
@@ -33,7 +34,7 @@ class StandInDrafter {
     using Data = HierarchyData<Partition_, A>;
 
     /// Cells that cost no more than least_cost are not drafted.
-    StandInDrafter(std::span<const P> primitives, const A& approximation, const Sampler& sampler,
+    StandInDrafter(PrimitiveSpan<P> primitives, const A& approximation, const Sampler& sampler,
                    const BuildControl& control, std::span<const DraftCell> nodes, Data& data, float least_cost)
         : primitives_(primitives),
           approximation_(approximation),
@@ -114,12 +115,7 @@ class StandInDrafter {
     /// Primitives lie in the user's order and are wanted in the hierarchy's: every one is a miss, unless asked for
     /// early.
     void prefetch(std::uint32_t position) const {
-#if defined(__GNUC__)
-        if (position >= data_.order.size()) return;
-        const char* primitive = reinterpret_cast<const char*>(&primitives_[data_.order[position]]);
-        __builtin_prefetch(primitive);
-        if constexpr (sizeof(P) > 16) __builtin_prefetch(primitive + sizeof(P) - 1);
-#endif
+        if (position < data_.order.size()) prefetch_primitive<P>(primitives_, data_.order[position]);
     }
 
     template <class Sink>
@@ -153,7 +149,8 @@ class StandInDrafter {
         const auto contents = [&](auto&& sink) {
             for (std::uint32_t at = node.first_item; at < end; ++at) send_polygons(at, sink);
         };
-        return approximation_.sample(node.cell, contents, sampler);
+        return with_painted(sampler, node.cell, contents,
+                            [&](const auto& painted) { return approximation_.sample(node.cell, painted, sampler); });
     }
     /// Of the cell's own run, to which children are merged.
     Draft own_draft(const DraftCell& node, Sampler& sampler) const {
@@ -179,7 +176,7 @@ class StandInDrafter {
         }
     }
 
-    std::span<const P> primitives_;
+    PrimitiveSpan<P> primitives_;
     const A& approximation_;
     const Sampler& sampler_;
     const BuildControl& control_;

@@ -15,6 +15,7 @@
 
 #include "farfield/approximation.hpp"
 #include "farfield/build/build_node.hpp"
+#include "farfield/build/painted_contents.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
 #include "farfield/build_pages/top_tree.hpp"
@@ -69,7 +70,9 @@ class TopPages {
                 const auto contents = [&](auto&& sink) {
                     for (const P& p : own) local_polygons(p, build_.plan.facts.origin, sink);
                 };
-                drafts[n] = approximation.sample(node.cell, contents, sampler);
+                drafts[n] = with_painted(sampler, node.cell, contents, [&](const auto& painted) {
+                    return approximation.sample(node.cell, painted, sampler);
+                });
             }
             std::array<ChildDraft<typename A::stand_in_draft>, 8> children;
             unsigned count = 0;

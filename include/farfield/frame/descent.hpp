@@ -94,8 +94,9 @@ class Descent {
         instances_.resize(0);  // an exception may have ended the last one
     }
 
-    template <class H, class P>
-    void enter(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path) {
+    template <class H, class Span>
+    void enter(const H& h, const Span& primitives, const LocalView& view, std::uint64_t path) {
+        using P = PrimitiveIn<Span>;
         static_assert(DrawableWith<H, P, R>, "the renderer must be able to draw what instances hold");
         if (h.item_count() == 0) return;
         SourceState& state = sources_.find(h, primitives);
@@ -108,9 +109,9 @@ class Descent {
     }
 
     /// A part of a hierarchy, as it would be drawn in its place, by a view of its own.
-    template <class H, class P>
-    void enter_at(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path,
-                  Subtree subtree) {
+    template <class H, class Span>
+    void enter_at(const H& h, const Span& primitives, const LocalView& view, std::uint64_t path, Subtree subtree) {
+        using P = PrimitiveIn<Span>;
         SourceState& state = sources_.find(h, primitives);
         if constexpr (H::assignment == Assignment::shared) state.begin_epoch();
         Visit<H, P> v{{h, source_of(h, primitives, state.id), view, path}, state};
@@ -425,7 +426,7 @@ class Descent {
             return instances_.draw_before(next, end_key, [&](std::uint32_t position) {
                 const P& p = v.source[position];
                 primitive_traits<P>::visit_instance(p, [&](const auto& instance) {
-                    draw_instance(v, instance, position, std::uint64_t(&p - v.source.primitives.data()));
+                    draw_instance(v, instance, position, std::uint64_t(v.source.index_of(position)));
                 });
             });
         } else {

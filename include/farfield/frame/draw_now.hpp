@@ -139,8 +139,8 @@ struct DrawSelected {
     Sink& sink;
     bool deposits;
 
-    template <class H, class P>
-    std::uint32_t source_id(const H& h, std::span<const P> primitives) const {
+    template <class H, class Span>
+    std::uint32_t source_id(const H& h, const Span& primitives) const {
         return sources.find(h, primitives).id;
     }
     void enter(const auto& entered) { sink.enter(entered); }

@@ -75,9 +75,10 @@ class Refinement {
     /// For Viewer: opens cells of a view until the budget is spent. Stand-ins are drawn by splats where the limit is
     /// above 0. Throws std::invalid_argument for a budget or a
     /// price that is no number, or negative.
-    template <class H, class P>
-    void refine(const H& hierarchy, std::span<const P> primitives, const LocalView& view, const FrameBudget& budget,
+    template <class H, class Span>
+    void refine(const H& hierarchy, const Span& primitives, const LocalView& view, const FrameBudget& budget,
                 float splat_limit_px) {
+        using P = detail::PrimitiveIn<Span>;
         splat_limit_px_ = splat_limit_px;
         if (const char* why = budget.prices.wrong_option()) {
             detail::fail<std::invalid_argument>(std::string("farfield::") + why);
@@ -126,14 +127,16 @@ class Refinement {
         friend bool operator<(const Step& a, const Step& b) { return a.gain < b.gain; }
     };
 
-    template <class H, class P>
-    std::uint32_t enter(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path) {
+    template <class H, class Span>
+    std::uint32_t enter(const H& h, const Span& primitives, const LocalView& view, std::uint64_t path) {
+        using P = detail::PrimitiveIn<Span>;
         contexts_.push_back({&h, primitives.data(), primitives.size(), view, path, &Refinement::open_in<H, P>});
         return std::uint32_t(contexts_.size() - 1);
     }
 
-    template <class H, class P>
-    void begin(const H& hierarchy, std::span<const P> primitives, const LocalView& view) {
+    template <class H, class Span>
+    void begin(const H& hierarchy, const Span& primitives, const LocalView& view) {
+        using P = detail::PrimitiveIn<Span>;
         contexts_.clear();
         shown_.clear();
         steps_.clear();
@@ -202,7 +205,7 @@ class Refinement {
     static void open_in(Refinement& self, std::uint32_t context, const Subtree& subtree) {
         const Context c = self.contexts_[context];  // more of them may move it
         const H& h = *static_cast<const H*>(c.hierarchy);
-        const std::span<const P> primitives(static_cast<const P*>(c.primitives), c.count);
+        const auto primitives = detail::span_at<P>(c.primitives, c.count);
         const detail::Entered<H, P> entered{h, detail::source_of(h, primitives, 0), c.view, c.path};
         self.open(entered, context, subtree);
     }
@@ -270,9 +273,8 @@ class Refinement {
         if constexpr (PrimitiveWithInstance<P>) {
             for (std::uint32_t at = first; at < end; ++at) {
                 const P& p = v.source[at];
-                primitive_traits<P>::visit_instance(p, [&](const auto& instance) {
-                    show_instance(v, instance, std::uint64_t(&p - v.source.primitives.data()));
-                });
+                primitive_traits<P>::visit_instance(
+                    p, [&](const auto& instance) { show_instance(v, instance, std::uint64_t(v.source.index_of(at))); });
             }
         }
     }
@@ -286,7 +288,7 @@ class Refinement {
         if (h.item_count() == 0) return;
         const std::uint64_t path = detail::path_inside(v, primitive);
         const LocalView view = detail::view_inside(v, instance, path);
-        const std::span<const P> primitives(instance.primitives);
+        const PrimitiveSpan<P> primitives(instance.primitives);
         const std::uint32_t context = enter(h, primitives, view, path);
         const detail::Entered<H, P> entered{h, detail::source_of(h, primitives, 0), view, path};
         Subtree whole = whole_of(h);

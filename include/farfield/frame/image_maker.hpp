@@ -43,9 +43,9 @@ class ImageMaker {
 
     /// Between the renderer's begin_frame and whatever is drawn: chooses, and makes what is wanted. `view` is the
     /// outermost hierarchy's. Returns how many were made.
-    template <class H, class P>
-    std::size_t update(const H& hierarchy, std::span<const P> primitives, const LocalView& view,
-                       const ExpectedPath& path, InstanceStack& instances, bool deposits) {
+    template <class H, class Span>
+    std::size_t update(const H& hierarchy, const Span& primitives, const LocalView& view, const ExpectedPath& path,
+                       InstanceStack& instances, bool deposits) {
         const ImageCacheOptions& options = hierarchy.approximation_policy().images();
         instances_ = &instances;
         deposits_ = deposits;
@@ -93,8 +93,8 @@ class ImageMaker {
     std::uint64_t path_of(std::uint32_t cell) { return kept_.cell(cell).id.path; }
 
     /// Draws a subtree, all of it, as the image's view sees it.
-    template <class H, class P>
-    void draw_contents(const H& h, std::span<const P> primitives, const LocalView& view, std::uint64_t path,
+    template <class H, class Span>
+    void draw_contents(const H& h, const Span& primitives, const LocalView& view, std::uint64_t path,
                        const Subtree& subtree) {
         queue_.begin_frame();
         DrawWithImages<R> sink(renderer_, queue_, kept_, *options_, of_images_);

@@ -120,7 +120,7 @@ class Selection {
     const FrameStats& stats() const { return stats_; }
     VisitOrder order() const { return order_; }
     const H* hierarchy() const { return hierarchy_; }
-    std::span<const P> primitives() const { return primitives_; }
+    PrimitiveSpan<P> primitives() const { return primitives_; }
 
     /// The work of drawing it, cells that were visited included. Looks at every primitive of every run.
     Work work() const {
@@ -162,7 +162,7 @@ class Selection {
     /// A Viewer calls this: forgets what was held, and keeps what descend(sink, stats) selects. Memory is used again.
     /// If descend throws, the selection is over no hierarchy.
     template <class Descend>
-    void select(const H& hierarchy, std::span<const P> primitives, const View& view, const LocalView& local,
+    void select(const H& hierarchy, PrimitiveSpan<P> primitives, const View& view, const LocalView& local,
                 VisitOrder order, Descend&& descend) {
         hierarchy_ = nullptr;
         primitives_ = primitives;
@@ -179,9 +179,10 @@ class Selection {
     }
 
   private:
-    template <class Visitor, class H2, class P2>
-    void walk_inside(Visitor& visitor, const H2& h, std::span<const P2> primitives, std::uint32_t view,
-                     std::uint64_t path, std::size_t begin, std::size_t end) const {
+    template <class Visitor, class H2, class Span>
+    void walk_inside(Visitor& visitor, const H2& h, const Span& primitives, std::uint32_t view, std::uint64_t path,
+                     std::size_t begin, std::size_t end) const {
+        using P2 = detail::PrimitiveIn<Span>;
         const detail::Entered<H2, P2> entered{h, detail::source_of(h, primitives, visitor.source_id(h, primitives)),
                                               views_[view], path};
         visitor.enter(entered);
@@ -194,7 +195,7 @@ class Selection {
                 primitive_traits<P2>::visit_instance(p, [&](const auto& instance) {
                     if (instance.hierarchy->item_count() == 0) return;
                     walk_inside(visitor, *instance.hierarchy, instance.primitives, s.view,
-                                detail::mixed(path, std::uint64_t(&p - primitives.data()) + 1), i + 1, s.end);
+                                detail::mixed(path, std::uint64_t(entered.source.index_of(s.first)) + 1), i + 1, s.end);
                 });
             }
             visitor.leave_instance(entered);
@@ -210,7 +211,7 @@ class Selection {
     }
 
     const H* hierarchy_ = nullptr;
-    std::span<const P> primitives_;
+    PrimitiveSpan<P> primitives_;
     View view_;
     FrameStats stats_;
     VisitOrder order_ = VisitOrder::any;

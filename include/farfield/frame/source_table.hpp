@@ -21,6 +21,7 @@
 #include "farfield/geometry/mixed.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
 #include "farfield/primitive.hpp"
+#include "farfield/primitive_source.hpp"
 #include "farfield/renderer.hpp"
 
 namespace farfield::detail {
@@ -41,15 +42,15 @@ struct SourceState {
     bool is_new(std::uint32_t primitive) { return std::exchange(stamps[primitive], epoch) != epoch; }
 };
 
-template <class H, class P>
-Source<P> source_of(const H& h, std::span<const P> primitives, std::uint32_t id) {
+template <class H, class Span>
+Source<PrimitiveIn<Span>> source_of(const H& h, const Span& primitives, std::uint32_t id) {
     return {primitives, h.order(), h.item_count(), h.origin(), id, h.fragments(), PagedAtRunTime<H>};
 }
 
 /// Throws std::invalid_argument, whose text begins with `who`, if primitives are not as many as a hierarchy was built
 /// from, or if strict order is needed and not kept.
-template <class H, class P>
-void check_source(const char* who, const H& h, std::span<const P> primitives, bool needs_strict_order) {
+template <class H, class Span>
+void check_source(const char* who, const H& h, const Span& primitives, bool needs_strict_order) {
     if (primitives.size() != h.primitive_count()) {
         detail::fail<std::invalid_argument>(std::string(who) + " was built from " +
                                             std::to_string(h.primitive_count()) + " primitives and is given " +
@@ -67,8 +68,8 @@ void check_source(const char* who, const H& h, std::span<const P> primitives, bo
 }
 /// Throws std::invalid_argument if a hierarchy was built from other primitives. Looks at all of them, and so only where
 /// a hierarchy comes from a file or, as assertions do, where NDEBUG is not defined.
-template <class H, class P>
-void check_fingerprint(const char* who, const H& h, std::span<const P> primitives) {
+template <class H, class Span>
+void check_fingerprint(const char* who, const H& h, const Span& primitives) {
 #ifdef NDEBUG
     if (!h.is_from_file()) return;
 #endif
@@ -136,8 +137,8 @@ class SourceTable {
     /// hierarchy was built from, or do not come in the order that the renderer needs; if stand-ins have another light
     /// than the renderer; or if a hierarchy holds itself. Takes time in proportion to the number of instances, however
     /// many hierarchies they hold. `turned` is how the hierarchy lies in the outermost one.
-    template <class H, class P>
-    void add_all(const H& h, std::span<const P> primitives, const glm::mat3& turned = glm::mat3(1.0f)) {
+    template <class H, class Span>
+    void add_all(const H& h, const Span& primitives, const glm::mat3& turned = glm::mat3(1.0f)) {
         constexpr const char* who = "farfield::Viewer: the hierarchy";
         if constexpr (PagedAtRunTime<H>) {
             // It comes with its primitives.
@@ -168,14 +169,14 @@ class SourceTable {
     /// Whether any of the hierarchies has a stand-in.
     bool have_stand_ins() const { return have_stand_ins_; }
 
-    template <class H, class P>
-    bool has(const H& h, std::span<const P> primitives) const {
+    template <class H, class Span>
+    bool has(const H& h, const Span& primitives) const {
         return sources_.contains(SourceKey{&h, primitives.data()});
     }
 
     /// One that was added. Throws std::invalid_argument if there is none: instances were changed since.
-    template <class H, class P>
-    SourceState& find(const H& h, std::span<const P> primitives) {
+    template <class H, class Span>
+    SourceState& find(const H& h, const Span& primitives) {
         const auto found = sources_.find(SourceKey{&h, primitives.data()});
         if (found == sources_.end()) {
             detail::fail<std::invalid_argument>(
@@ -201,8 +202,8 @@ class SourceTable {
 
   private:
     /// Calls then(state) with what is kept of it from now on.
-    template <class H, class P, class Then>
-    void add(const H& h, std::span<const P> primitives, Then&& then) {
+    template <class H, class Span, class Then>
+    void add(const H& h, const Span& primitives, Then&& then) {
         have_stand_ins_ = have_stand_ins_ || !h.stand_ins().empty();
         // References into an unordered_map stay valid while more are added.
         SourceState& state = sources_[SourceKey{&h, primitives.data()}];
@@ -215,8 +216,9 @@ class SourceTable {
     }
 
     /// Calls f(instance, number of the primitive).
-    template <class P, class F>
-    static void for_instances([[maybe_unused]] std::span<const P> primitives, [[maybe_unused]] F&& f) {
+    template <class Span, class F>
+    static void for_instances([[maybe_unused]] const Span& primitives, [[maybe_unused]] F&& f) {
+        using P = PrimitiveIn<Span>;
         if constexpr (PrimitiveWithInstance<P>) {
             for (std::size_t i = 0; i < primitives.size(); ++i) {
                 primitive_traits<P>::visit_instance(primitives[i], [&](const auto& instance) { f(instance, i); });

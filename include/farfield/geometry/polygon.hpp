@@ -7,10 +7,36 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <span>
+#include <type_traits>
 
 #include "farfield/geometry/rgba8.hpp"
 
 namespace farfield {
+
+/// A value of the user's that a polygon takes along to whoever asks for that type: a material, texture coordinates. It
+/// is borrowed, as all of the polygon is. What asks for another type gets nothing.
+class CarriedValue {
+  public:
+    CarriedValue() = default;
+    template <class T>
+    requires(!std::is_same_v<T, CarriedValue>)
+        CarriedValue(const T& value)  // NOLINT(google-explicit-constructor): any value is carried
+        : value_(&value), type_(&type_of<T>) {}
+
+    bool is_empty() const { return value_ == nullptr; }
+    /// Null if none of exactly this type is carried.
+    template <class T>
+    const T* get() const {
+        return type_ == &type_of<T> ? static_cast<const T*>(value_) : nullptr;
+    }
+
+  private:
+    template <class T>
+    static constexpr char type_of = 0;  ///< its address tells types apart
+
+    const void* value_ = nullptr;
+    const char* type_ = nullptr;
+};
 
 /// A convex planar polygon of three or more vertices, counter-clockwise seen from its front. Both sides are visible.
 /// `colors` holds one color for all, or one a vertex, not premultiplied. It is valid only during the call that it is
@@ -21,6 +47,9 @@ struct BasicPolygon {
     std::span<const Rgba8> colors;
     /// Whether the colors hold the light already, as those of stand-ins do, whose light was baked in by the build.
     bool is_lit = false;
+    /// For a sampler or a renderer that knows the type: see PaintsPolygons (sampler.hpp). Vertices keep their numbers
+    /// on the way there, but for polygons that map_polygon() divides, and those that a partition cuts: they lose it.
+    CarriedValue carried{};
 };
 
 using Polygon = BasicPolygon<float>;
@@ -45,9 +74,9 @@ glm::vec<3, T> doubled_area(std::size_t corners, Position&& position) {
     return sum;
 }
 
-/// Calls sink(BasicPolygon<To>) with the polygon's vertices mapped, colors as they are; polygons of more than 64
-/// vertices come as several that fan out from the first vertex. Polygons of fewer than three vertices, or without a
-/// color, are dropped.
+/// Calls sink(BasicPolygon<To>) with the polygon's vertices mapped, all else as it is; polygons of more than 64
+/// vertices come as several that fan out from the first vertex and carry nothing. Polygons of fewer than three
+/// vertices, or without a color, are dropped.
 template <class To, class From, class Map, class Sink>
 void map_polygon(const BasicPolygon<From>& polygon, Map&& map, Sink&& sink) {
     constexpr std::size_t capacity = 64;
@@ -64,7 +93,10 @@ void map_polygon(const BasicPolygon<From>& polygon, Map&& map, Sink&& sink) {
             vertices[i + 1] = map(polygon.vertices[first + i]);
             colors[i + 1] = polygon.colors[one_color ? 0 : first + i];
         }
-        sink(BasicPolygon<To>{{vertices, count + 1}, {colors, one_color ? 1 : count + 1}, polygon.is_lit});
+        sink(BasicPolygon<To>{{vertices, count + 1},
+                              {colors, one_color ? 1 : count + 1},
+                              polygon.is_lit,
+                              n <= capacity ? polygon.carried : CarriedValue()});
         first += count - 1;
     }
 }

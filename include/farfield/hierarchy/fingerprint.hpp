@@ -10,6 +10,7 @@
 
 #include "farfield/geometry/mixed.hpp"
 #include "farfield/primitive.hpp"
+#include "farfield/primitive_source.hpp"
 
 namespace farfield::detail {
 
@@ -42,8 +43,9 @@ class Fingerprint {
 };
 
 /// In an order of indices, or as they lie if that is empty.
-template <Primitive P>
-std::uint64_t fingerprint_of(std::span<const P> primitives, std::span<const std::uint32_t> order = {}) {
+template <class Span>
+std::uint64_t fingerprint_of(const Span& primitives, std::span<const std::uint32_t> order = {}) {
+    using P = PrimitiveIn<Span>;
     Fingerprint sum;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
         sum.add(Fingerprint::part(i, primitive_traits<P>::bounds(primitives[order.empty() ? i : order[i]])));

@@ -12,6 +12,7 @@
 #include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/similarity.hpp"
 #include "farfield/primitive.hpp"
+#include "farfield/primitive_source.hpp"
 
 namespace farfield {
 
@@ -23,7 +24,7 @@ namespace farfield {
 template <class H, class P>
 struct Instance {
     const H* hierarchy = nullptr;
-    std::span<const P> primitives;
+    PrimitiveSpan<P> primitives;
     Similarity to_world;
 
     BoxD bounds() const {
