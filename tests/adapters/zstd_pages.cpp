@@ -14,7 +14,7 @@
 #include "farfield/executor.hpp"
 #include "farfield/paging/file_page_source.hpp"
 #include "farfield/paging/pack_pages.hpp"
-#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/paging/unpacked_pages.hpp"
 #include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/octree.hpp"

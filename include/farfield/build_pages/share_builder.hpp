@@ -20,6 +20,7 @@
 #include "farfield/build/build_progress.hpp"
 #include "farfield/build_pages/build_journal.hpp"
 #include "farfield/build_pages/group_builder.hpp"
+#include "farfield/build_pages/ordered_results.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
 #include "farfield/build_pages/scattered_file.hpp"
@@ -74,7 +75,9 @@ class ShareBuilder {
     }
 
   private:
-    static constexpr std::size_t groups_at_once = 4;
+    /// More keep threads from waiting for one another at the end of each round; a group that comes long before its turn
+    /// has to wait in memory.
+    static constexpr std::size_t groups_at_once = 8;
 
     /// Returns 0, or the bytes that one cell needs where pages are too small for it.
     template <class Stream>
@@ -109,28 +112,21 @@ class ShareBuilder {
         std::vector<std::uint64_t> first_item{0};
         for (std::size_t g = begin; g < end; ++g) first_item.push_back(first_item.back() + tree.items_of_group(g));
         std::uint32_t page_count = known.pages;
-        // While groups are built, those before them are written.
-        std::array<BuiltGroup, groups_at_once> built, written;
-        std::size_t waiting = 0, next = begin + known.groups;
         const GroupBuilder<Build> build_group(build_);
-        while (next < end || waiting != 0) {
+        // Whoever has built one writes those whose turn it is, while others build.
+        OrderedResults<BuiltGroup> results(groups_at_once);
+        for (std::size_t next = begin + known.groups; next < end;) {
             const std::size_t count = std::min(groups_at_once, end - next);
-            build_.control.run_quietly(count + 1, [&](std::size_t i) {
-                if (i != 0) {
-                    const std::size_t g = next + i - 1;
-                    built[i - 1] = build_group(tree, g, files.scattered(), first_item[g - begin]);
-                    return;
-                }
-                for (std::size_t w = 0; w < waiting; ++w) {
-                    write_group(written[w], pages, page_count, journal);
-                    written[w] = {};
-                }
+            results.restart();
+            std::uint64_t needed = 0;
+            build_.control.run_quietly(count, [&](std::size_t i) {
+                const std::size_t g = next + i;
+                results.add(i, build_group(tree, g, files.scattered(), first_item[g - begin]), [&](BuiltGroup& group) {
+                    if (needed == 0) needed = group.needed_bytes;
+                    if (needed == 0) write_group(group, pages, page_count, journal);
+                });
             });
-            for (std::size_t i = 0; i < count; ++i) {
-                if (built[i].needed_bytes != 0) return built[i].needed_bytes;
-            }
-            std::swap(built, written);
-            waiting = count;
+            if (needed != 0) return needed;
             next += count;
             build_.control.report(BuildPhase::building, std::size_t(first_item[next - begin]),
                                   std::size_t(first_item.back()));
@@ -194,33 +190,48 @@ class ShareBuilder {
         std::vector<std::uint32_t> next_own;
         for (const TopNode& n : tree.nodes()) next_own.push_back(n.own_begin);
         ScatterWriter<P> writer(files.scattered(), counts, std::size_t(build_.options.memory_bytes / 4));
-        std::vector<std::array<std::uint32_t, stream_batch>> nodes(stream_batches_at_once);
+        // By primitive of a row of batches: its group in this share, or the cell above all parts that it stays in.
+        constexpr std::uint32_t stays = 1u << 31, of_others = stays - 1;
+        std::vector<std::uint32_t> places(stream_batch * stream_batches_at_once);
+        std::array<std::uint32_t, stream_batches_at_once> staying{};  // how many, by batch
+        const auto place_of = [&](const P& p, std::uint64_t index) {
+            const std::uint32_t n = tree.node_of(build_.options.build.partition,
+                                                 {local_bounds(p, build_.plan.facts.origin), std::uint32_t(index), 0});
+            if (tree.nodes()[n].child_mask != 0) return n | stays;
+            const std::size_t g = tree.group_of_part(tree.nodes()[n].part);
+            return g >= begin && g < end ? std::uint32_t(g - begin) : of_others;
+        };
         const std::uint64_t whole_count = build_.plan.facts.primitive_count;
         const std::uint64_t count = in_batches<P>(
             stream, build_.control,
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
+                staying[slot] = 0;
                 for (std::size_t i = 0; i < batch.size(); ++i) {
-                    nodes[slot][i] =
-                        tree.node_of(build_.options.build.partition,
-                                     {local_bounds(batch[i], build_.plan.facts.origin), std::uint32_t(first + i), 0});
+                    const std::uint32_t place = places[slot * stream_batch + i] = place_of(batch[i], first + i);
+                    staying[slot] += place >= stays;
                 }
             },
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
                 if (first + batch.size() > whole_count) SceneSurvey<Build>(build_).check_stream(first + batch.size());
-                for (std::size_t i = 0; i < batch.size(); ++i) {
-                    const std::uint32_t n = nodes[slot][i];
-                    const TopNode& node = tree.nodes()[n];
-                    if (node.child_mask != 0) {
-                        if (next_own[n] == node.own_begin + node.own_items) refuse_other_stream();
-                        own[next_own[n]++] = batch[i];
-                    } else if (const std::size_t g = tree.group_of_part(node.part); g >= begin && g < end) {
-                        writer.add(g - begin, batch[i]);
-                    }
+                for (std::size_t i = 0; staying[slot] != 0 && i < batch.size(); ++i) {
+                    const std::uint32_t place = places[slot * stream_batch + i];
+                    if (place < stays) continue;
+                    const TopNode& node = tree.nodes()[place - stays];
+                    if (next_own[place - stays] == node.own_begin + node.own_items) refuse_other_stream();
+                    own[next_own[place - stays]++] = batch[i];
                 }
                 const std::uint64_t done = first + batch.size();
                 if (done / Build::reported_each != first / Build::reported_each) {
                     build_.control.report(BuildPhase::moving, std::size_t(done), std::size_t(whole_count));
                 }
+            },
+            [&](std::span<const P> row, std::uint64_t) {
+                constexpr std::size_t lanes = ScatterWriter<P>::lanes;
+                build_.control.run_quietly(lanes, [&](std::size_t lane) {
+                    for (std::size_t i = 0; i < row.size(); ++i) {
+                        if (places[i] < of_others && places[i] % lanes == lane) writer.add(places[i], row[i]);
+                    }
+                });
             });
         SceneSurvey<Build>(build_).check_stream(count);
         writer.finish();
