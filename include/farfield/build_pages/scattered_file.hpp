@@ -5,7 +5,6 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -20,21 +19,14 @@
 
 namespace farfield::detail {
 
-/// Writes; the file stays until somebody removes it. Groups whose numbers differ by no multiple of `lanes` may be
-/// written to at once.
+/// Writes; the file stays until somebody removes it.
 template <class P>
 class ScatterWriter {
   public:
-    static constexpr std::size_t lanes = 8;
-
     /// `counts`: the number of primitives of each group. `buffer_bytes` for all of them together.
     ScatterWriter(const std::filesystem::path& path, std::span<const std::uint64_t> counts, std::size_t buffer_bytes)
-        : path_(path), groups_(counts.size()) {
-        for (std::ofstream& file : files_) {
-            file.open(path, &file == files_.data() ? std::ios::binary | std::ios::out | std::ios::trunc
-                                                   : std::ios::binary | std::ios::out | std::ios::in);
-            if (!file) refuse_file("build_pages", path_, "cannot be written");
-        }
+        : path_(path), file_(path, std::ios::binary | std::ios::trunc), groups_(counts.size()) {
+        if (!file_) refuse_file("build_pages", path_, "cannot be written");
         const std::size_t each =
             std::max<std::size_t>(buffer_bytes / std::max<std::size_t>(counts.size(), 1) / sizeof(P), 16);
         std::uint64_t at = 0;
@@ -47,15 +39,13 @@ class ScatterWriter {
     void add(std::size_t group, const P& primitive) {
         Group& g = groups_[group];
         g.waiting.push_back(primitive);
-        if (g.waiting.size() == g.waiting.capacity()) flush(group);
+        if (g.waiting.size() == g.waiting.capacity()) flush(g);
     }
     /// Everything is in the file when it returns.
     void finish() {
-        for (std::size_t g = 0; g < groups_.size(); ++g) flush(g);
-        for (std::ofstream& file : files_) {
-            file.close();
-            if (!file) refuse_file("build_pages", path_, "cannot be written: is the disk full?");
-        }
+        for (Group& g : groups_) flush(g);
+        file_.close();
+        if (!file_) refuse_file("build_pages", path_, "cannot be written: is the disk full?");
     }
 
   private:
@@ -63,20 +53,18 @@ class ScatterWriter {
         std::uint64_t next = 0;  ///< byte in the file
         std::vector<P> waiting{};
     };
-    void flush(std::size_t group) {
-        Group& g = groups_[group];
+    void flush(Group& g) {
         if (g.waiting.empty()) return;
-        std::ofstream& file = files_[group % lanes];
         const std::size_t bytes = g.waiting.size() * sizeof(P);
-        file.seekp(std::streamoff(g.next));
-        file.write(reinterpret_cast<const char*>(g.waiting.data()), std::streamsize(bytes));
-        if (!file) refuse_file("build_pages", path_, "cannot be written: is the disk full?");
+        file_.seekp(std::streamoff(g.next));
+        file_.write(reinterpret_cast<const char*>(g.waiting.data()), std::streamsize(bytes));
+        if (!file_) refuse_file("build_pages", path_, "cannot be written: is the disk full?");
         g.next += bytes;
         g.waiting.clear();
     }
 
     std::filesystem::path path_;
-    std::array<std::ofstream, lanes> files_;
+    std::ofstream file_;
     std::vector<Group> groups_;
 };
 

@@ -190,48 +190,33 @@ class ShareBuilder {
         std::vector<std::uint32_t> next_own;
         for (const TopNode& n : tree.nodes()) next_own.push_back(n.own_begin);
         ScatterWriter<P> writer(files.scattered(), counts, std::size_t(build_.options.memory_bytes / 4));
-        // By primitive of a row of batches: its group in this share, or the cell above all parts that it stays in.
-        constexpr std::uint32_t stays = 1u << 31, of_others = stays - 1;
-        std::vector<std::uint32_t> places(stream_batch * stream_batches_at_once);
-        std::array<std::uint32_t, stream_batches_at_once> staying{};  // how many, by batch
-        const auto place_of = [&](const P& p, std::uint64_t index) {
-            const std::uint32_t n = tree.node_of(build_.options.build.partition,
-                                                 {local_bounds(p, build_.plan.facts.origin), std::uint32_t(index), 0});
-            if (tree.nodes()[n].child_mask != 0) return n | stays;
-            const std::size_t g = tree.group_of_part(tree.nodes()[n].part);
-            return g >= begin && g < end ? std::uint32_t(g - begin) : of_others;
-        };
+        std::vector<std::array<std::uint32_t, stream_batch>> nodes(stream_batches_at_once);
         const std::uint64_t whole_count = build_.plan.facts.primitive_count;
         const std::uint64_t count = in_batches<P>(
             stream, build_.control,
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
-                staying[slot] = 0;
                 for (std::size_t i = 0; i < batch.size(); ++i) {
-                    const std::uint32_t place = places[slot * stream_batch + i] = place_of(batch[i], first + i);
-                    staying[slot] += place >= stays;
+                    nodes[slot][i] =
+                        tree.node_of(build_.options.build.partition,
+                                     {local_bounds(batch[i], build_.plan.facts.origin), std::uint32_t(first + i), 0});
                 }
             },
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
                 if (first + batch.size() > whole_count) SceneSurvey<Build>(build_).check_stream(first + batch.size());
-                for (std::size_t i = 0; staying[slot] != 0 && i < batch.size(); ++i) {
-                    const std::uint32_t place = places[slot * stream_batch + i];
-                    if (place < stays) continue;
-                    const TopNode& node = tree.nodes()[place - stays];
-                    if (next_own[place - stays] == node.own_begin + node.own_items) refuse_other_stream();
-                    own[next_own[place - stays]++] = batch[i];
+                for (std::size_t i = 0; i < batch.size(); ++i) {
+                    const std::uint32_t n = nodes[slot][i];
+                    const TopNode& node = tree.nodes()[n];
+                    if (node.child_mask != 0) {
+                        if (next_own[n] == node.own_begin + node.own_items) refuse_other_stream();
+                        own[next_own[n]++] = batch[i];
+                    } else if (const std::size_t g = tree.group_of_part(node.part); g >= begin && g < end) {
+                        writer.add(g - begin, batch[i]);
+                    }
                 }
                 const std::uint64_t done = first + batch.size();
                 if (done / Build::reported_each != first / Build::reported_each) {
                     build_.control.report(BuildPhase::moving, std::size_t(done), std::size_t(whole_count));
                 }
-            },
-            [&](std::span<const P> row, std::uint64_t) {
-                constexpr std::size_t lanes = ScatterWriter<P>::lanes;
-                build_.control.run_quietly(lanes, [&](std::size_t lane) {
-                    for (std::size_t i = 0; i < row.size(); ++i) {
-                        if (places[i] < of_others && places[i] % lanes == lane) writer.add(places[i], row[i]);
-                    }
-                });
             });
         SceneSurvey<Build>(build_).check_stream(count);
         writer.finish();

@@ -19,9 +19,9 @@ inline constexpr std::size_t stream_batches_at_once = 32;
 
 /// Calls look(batch, first index, slot) for batches of the stream, any number of them at once, `slot` below
 /// stream_batches_at_once and different for those; then take(batch, first index, slot) for each in order, on this
-/// thread, and after_row(primitives, first index) after each row of them. Returns the number of primitives.
-template <class P, class Stream, class Look, class Take, class AfterRow>
-std::uint64_t in_batches(Stream& stream, const BuildControl& control, Look&& look, Take&& take, AfterRow&& after_row) {
+/// thread. Returns the number of primitives.
+template <class P, class Stream, class Look, class Take>
+std::uint64_t in_batches(Stream& stream, const BuildControl& control, Look&& look, Take&& take) {
     std::vector<P> waiting;
     waiting.reserve(stream_batch * stream_batches_at_once);
     std::uint64_t done = 0;
@@ -33,7 +33,6 @@ std::uint64_t in_batches(Stream& stream, const BuildControl& control, Look&& loo
         };
         control.run_quietly(count, [&](std::size_t i) { look(batch(i), done + i * stream_batch, i); });
         for (std::size_t i = 0; i < count; ++i) take(batch(i), done + i * stream_batch, i);
-        after_row(all, done);
         done += all.size();
         waiting.clear();
     };
@@ -43,10 +42,6 @@ std::uint64_t in_batches(Stream& stream, const BuildControl& control, Look&& loo
     });
     flush();
     return done;
-}
-template <class P, class Stream, class Look, class Take>
-std::uint64_t in_batches(Stream& stream, const BuildControl& control, Look&& look, Take&& take) {
-    return in_batches<P>(stream, control, look, take, [](std::span<const P>, std::uint64_t) {});
 }
 
 }  // namespace farfield::detail

@@ -91,7 +91,7 @@ class PageForest {
         for (std::size_t i = 0; i < units.size(); ++i) {
             add_contents(to, units[i], units[i].subtree, std::uint32_t(i));
         }
-        to.nodes[units.size()].first_item = to.items_used;
+        to.nodes[units.size()] = Node{.first_item = to.items_used};
         PageHeader header;
         header.number = number;
         header.level = units.front().subtree.cell.depth;
