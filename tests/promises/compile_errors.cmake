@@ -19,7 +19,7 @@ file(MAKE_DIRECTORY "${DIRECTORY}")
 # NAME.gch for `-include NAME`.
 set(includes)
 foreach(header approximation/color_cube approximation/exact partition/octree partition/polygon_bsp
-               cost_model/triangle_count primitive/triangle build viewer renderer/z_buffer_renderer
+               cost_model/triangle_count primitive/triangle build viewer
                paging/open_pages paging/write_pages primitive/instance)
   string(APPEND includes "#include \"farfield/${header}.hpp\"\n")
 endforeach()
@@ -159,12 +159,6 @@ expect(no_stand_ins_in_pages "what is drawn while a page is missing is a stand-i
         ${triangles} save_pages<H, Triangle>(build<H>(triangles), triangles, \"x\"); }")
 expect(no_pages_of_instances "an instance borrows its hierarchy"
        "${cubes} int main() { open_pages<Cubes, Instance<Cubes, Triangle>>(\"x\"); }")
-foreach(what "select(View{})" "frame(View{}, FrameBudget{}, 1)")
-  string(MAKE_C_IDENTIFIER "paged_${what}" name)
-  expect(${name} "may be gone"
-         "${cubes} int main() { const auto pages = open_pages<Cubes, Triangle>(\"x\"); ZBufferRenderer renderer;
-          auto v = make_viewer(pages, renderer); v.${what}; }")
-endforeach()
 
 # --- renderers: a flag without its hook, one after the other
 
