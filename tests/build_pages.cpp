@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -25,9 +27,10 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/approximation/sample_set.hpp"
+#include "farfield/build_pages/ordered_results.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/executor.hpp"
-#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
@@ -111,6 +114,13 @@ TEST_CASE("A file of pages has the same bytes however it was built") {
         build_pages<Tensors, Triangle>(stream_of(scene), path, options);
         CHECK(bytes_of_file(path) == expected);
     }
+    SECTION("from the last step to the first") {
+        options.build.executor = [](std::size_t count, const std::function<void(std::size_t)>& f) {
+            for (std::size_t i = count; i-- > 0;) f(i);
+        };
+        build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+        CHECK(bytes_of_file(path) == expected);
+    }
     SECTION("in shares") {
         for (const std::uint32_t count : {2u, 3u, 7u, 25u}) {
             for (std::uint32_t i = count; i-- > 0;) {
@@ -121,6 +131,27 @@ TEST_CASE("A file of pages has the same bytes however it was built") {
             CHECK(std::distance(std::filesystem::directory_iterator(directory.path()), {}) == 1);
         }
     }
+}
+
+TEST_CASE("Results of many threads are used in order, by one of them at a time") {
+    constexpr std::size_t count = 500;
+    detail::OrderedResults<std::unique_ptr<std::size_t>> results(count);
+    for (int round = 0; round < 20; ++round) {
+        results.restart();
+        std::vector<std::size_t> used;  // no lock: ThreadSanitizer looks too
+        ThreadExecutor(4)(count, [&](std::size_t i) {
+            results.add(count - 1 - i, std::make_unique<std::size_t>(count - 1 - i),
+                        [&](const std::unique_ptr<std::size_t>& result) { used.push_back(*result); });
+        });
+        REQUIRE(used.size() == count);
+        for (std::size_t i = 0; i < count; ++i) CHECK(used[i] == i);
+    }
+    results.restart();
+    const auto use = [](const std::unique_ptr<std::size_t>& result) {
+        if (*result == 1) throw std::runtime_error("one");
+    };
+    for (const std::size_t i : {0u, 2u}) results.add(i, std::make_unique<std::size_t>(i), use);
+    CHECK_THROWS_WITH(results.add(1, std::make_unique<std::size_t>(1), use), "one");
 }
 
 #if __has_include(<sys/wait.h>)

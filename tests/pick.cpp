@@ -22,7 +22,7 @@
 #include "farfield/approximation/sample_set.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
-#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/gap_bsp.hpp"
 #include "farfield/partition/octree.hpp"

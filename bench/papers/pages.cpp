@@ -29,7 +29,7 @@
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/executor.hpp"
 #include "farfield/measure/image_error.hpp"
-#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/primitive/triangle.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"

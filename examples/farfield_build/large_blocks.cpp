@@ -38,6 +38,7 @@ class Blocks {
         name.copy(name_.data(), name.size());
         is_on_.store(true, std::memory_order_release);
     }
+    void turn_off() { is_on_.store(false, std::memory_order_release); }
     std::uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
     /// Null if it cannot be.
@@ -94,8 +95,11 @@ constinit Blocks blocks;
 
 }  // namespace
 
-void keep_large_blocks_in(const std::filesystem::path& folder) {
+LargeBlocksInFiles::LargeBlocksInFiles(const std::filesystem::path& folder) {
     blocks.turn_on(folder);
+}
+LargeBlocksInFiles::~LargeBlocksInFiles() {
+    blocks.turn_off();
 }
 std::uint64_t bytes_in_files() {
     return blocks.bytes();

@@ -18,6 +18,10 @@
 #include <string>
 #include <type_traits>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #if FARFIELD_HAS_MPI
 #include <mpi.h>
 #endif
@@ -104,6 +108,15 @@ auto progress_told() {
     };
 }
 
+/// A build needs the same memory for one group of primitives after the other, and what has been given back to the
+/// system in between is cleared anew each time.
+void keep_memory_that_was_freed() {
+#if defined(__GLIBC__)
+    ::mallopt(M_MMAP_THRESHOLD, 1 << 30);
+    ::mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
+
 /// A build that is stopped while it packs has its file, which is not packed.
 void pack(const Request& request) {
     if (!request.packs) return;
@@ -123,9 +136,12 @@ void build(const Request& request, const Processes& processes) {
         farfield::join_page_shares<H, P>(request.out, request.join, options);
         return pack(request);
     }
-    // What a model's file holds is not to need the memory that the build may take.
-    farfield::scenes::keep_large_blocks_in(std::filesystem::absolute(request.out).parent_path());
-    const farfield::scenes::TriangleStream stream = farfield::scenes::scene_stream(request.scene);
+    keep_memory_that_was_freed();
+    const farfield::scenes::TriangleStream stream = [&] {
+        // What a model's file holds is not to need the memory that the build may take.
+        const farfield::scenes::LargeBlocksInFiles files(std::filesystem::absolute(request.out).parent_path());
+        return farfield::scenes::scene_stream(request.scene);
+    }();
     if (!request.share.empty()) {
         return farfield::build_page_share<H, P>(stream, request.out, parse_share(request.share), options);
     }

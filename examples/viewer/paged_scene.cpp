@@ -9,7 +9,7 @@
 #include "farfield/adapters/http_page_source.hpp"
 #endif
 #include "farfield/paging/file_page_source.hpp"
-#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/pick.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"

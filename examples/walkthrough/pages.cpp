@@ -26,7 +26,7 @@
 #endif
 #include "farfield/measure/image_error.hpp"
 #include "farfield/paging/file_page_source.hpp"
-#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "report/picture.hpp"

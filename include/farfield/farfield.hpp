@@ -29,6 +29,7 @@
 #include "farfield/measure/ssim.hpp"
 #include "farfield/merged_viewer.hpp"
 #include "farfield/paging/file_page_source.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/paging/paged_hierarchy.hpp"
 #include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/gap_bsp.hpp"

@@ -180,6 +180,20 @@ class Viewer {
                          });
     }
 
+    /// Says what cannot be done.
+    void select(const View&, auto&&...) requires PagedAtRunTime<H> {
+        static_assert(
+            !PagedAtRunTime<H>,
+            "farfield: what lies in pages may be gone when a selection is drawn, and is not selected: draw it "
+            "by frame(view)");
+    }
+    FrameStats frame(const View&, const FrameBudget&, auto&&...) requires PagedAtRunTime<H> {
+        static_assert(!PagedAtRunTime<H>,
+                      "farfield: a budget is spent on cells that can be looked up at any time, and those in pages may "
+                      "be gone: draw by frame(view), with a tolerance");
+        return {};
+    }
+
     /// Draws the best that a budget pays for, without images; see frame/frame_budget.hpp. The refinement is this
     /// viewer's own. Throws what frame() throws, and std::invalid_argument for a budget that is none.
     FrameStats frame(const View& view, const FrameBudget& budget, Refinement& refinement) requires(!PagedAtRunTime<H>) {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "farfield/paging/page_user.hpp"
 #include "paging/faulty_source.hpp"
 #include "support/random.hpp"
 
@@ -25,6 +26,7 @@ using namespace farfield::test;
 using namespace std::chrono_literals;
 using farfield::detail::PageCache;
 using farfield::detail::PageSlots;
+using farfield::detail::PageUser;
 
 namespace {
 
@@ -96,7 +98,7 @@ struct Wanted {
     float weight = 2;
 };
 /// Returns how many were there, each full of its number.
-std::size_t frame(const Pages& pages, PageCache::User& user, const std::vector<Wanted>& wanted) {
+std::size_t frame(const Pages& pages, PageUser& user, const std::vector<Wanted>& wanted) {
     std::size_t found = 0;
     user.begin_frame();
     for (const Wanted& w : wanted) {
@@ -128,7 +130,7 @@ using Reads = std::vector<std::vector<std::uint32_t>>;
 
 TEST_CASE("The first page is there at once and stays, others are read when frames have asked for them") {
     Pages p(20, by_hand());
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     CHECK(frame(p, user, {{0}, {3}, {7}}) == 1);
     CHECK(p.cache->stats().missing == 2);
     CHECK(p.cache->load_wanted() == 2);
@@ -150,7 +152,7 @@ TEST_CASE("A cache keeps to its limit in bytes at any part of the pages, and say
             Pages p(count, background ? in_background(most) : by_hand(most), {page_bytes, 4 * page_bytes, 2});
             CHECK(p.cache->stats().bytes <= most);
             CHECK(p.cache->memory_bytes() < most);
-            PageCache::User user(p.cache);
+            PageUser user(p.cache);
             for (std::uint32_t step = 0; step < 60; ++step) {
                 frame(p, user, range(step * 2, step * 2 + 80));
                 if (!background) p.cache->load_wanted();
@@ -191,7 +193,7 @@ TEST_CASE("A first page that cannot be used is said when the cache is made, with
 
 TEST_CASE("Frames go on while the source gives no answer") {
     Pages p(50, in_background());
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     p.source.hold();
     for (int i = 0; i < 50; ++i) CHECK(frame(p, user, range(0, 50)) == 1);
     CHECK(comes_true([&] { return p.source.in_flight() == 2; }));
@@ -203,7 +205,7 @@ TEST_CASE("Frames go on while the source gives no answer") {
 
 TEST_CASE("What is unavailable is tried again, less and less often, until it is there") {
     Pages p(10, {.first_retry = 4ms, .longest_retry = 64ms});
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     p.source.fail({.status = ReadStatus::unavailable});
     const std::size_t before = p.source.reads().size();
     const auto begin = std::chrono::steady_clock::now();
@@ -222,7 +224,7 @@ TEST_CASE("What is unavailable is tried again, less and less often, until it is 
 
 TEST_CASE("Waits between two attempts of nothing are not taken at their word") {
     Pages p(10, {.first_retry = 0ms, .longest_retry = 0ms});
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     p.source.fail({.status = ReadStatus::unavailable});
     frame(p, user, {{4}});
     CHECK(comes_true([&] { return p.cache->stats().failures >= 3; }));
@@ -232,7 +234,7 @@ TEST_CASE("Waits between two attempts of nothing are not taken at their word") {
 
 TEST_CASE("A source that has changed is not read any more, and the reason is kept") {
     Pages p(10, in_background());
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     CHECK(comes_true([&] { return frame(p, user, {{1}, {2}}) == 2; }));
     p.source.fail({.status = ReadStatus::changed});
     frame(p, user, {{3}});
@@ -254,7 +256,7 @@ TEST_CASE("A source that has changed is not read any more, and the reason is kep
 TEST_CASE("What is refused is not asked for again, and what lies beside it is there") {
     for (const std::uint32_t largest_read : {1u, 8u}) {
         Pages p(20, by_hand(), {0, largest_read * page_bytes, 1});
-        PageCache::User user(p.cache);
+        PageUser user(p.cache);
         p.source.fail_at(first_page + 5 * page_bytes, first_page + 6 * page_bytes, {.status = ReadStatus::refused});
         for (int i = 0; i < 30; ++i) {
             frame(p, user, range(1, 12));
@@ -273,7 +275,7 @@ TEST_CASE("What is refused is not asked for again, and what lies beside it is th
 
 TEST_CASE("A page that cannot be read keeps none away that lie beside it") {
     Pages p(20, in_background(), {0, 8 * page_bytes, 1});
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     p.source.fail_at(first_page + 5 * page_bytes, first_page + 6 * page_bytes, {.status = ReadStatus::unavailable});
     CHECK(comes_true([&] { return frame(p, user, range(1, 12)) == 10; }));
     p.source.recover();
@@ -282,7 +284,7 @@ TEST_CASE("A page that cannot be read keeps none away that lie beside it") {
 
 TEST_CASE("Damaged pages are refused one by one, and read again") {
     Pages p(20, in_background(), {0, 8 * page_bytes, 1});
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     p.source.fail({.flipped_bits = 1});
     frame(p, user, range(1, 9));
     REQUIRE(comes_true([&] { return p.cache->stats().failures >= 1; }));
@@ -293,7 +295,7 @@ TEST_CASE("Damaged pages are refused one by one, and read again") {
 
 TEST_CASE("Pages that lie near one another are read together, the most wanted first") {
     Pages p(60, by_hand(), {2 * page_bytes, 6 * page_bytes, 1});
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     SECTION("in a row, as far as a read goes") {
         frame(p, user, {{10, 1}, {11, 1}, {12, 5}, {13, 1}, {14, 1}, {15, 1}, {16, 1}, {17, 1}, {18, 1}, {40, 2}});
         CHECK(p.cache->load_wanted() == 10);
@@ -322,7 +324,7 @@ TEST_CASE("Pages that lie near one another are read together, the most wanted fi
 
 TEST_CASE("What counts most is read first, whoever wants it, and what is only expected last") {
     Pages p(60, by_hand());
-    PageCache::User a(p.cache), b(p.cache);
+    PageUser a(p.cache), b(p.cache);
     a.begin_frame();
     a.find(10, 2);
     a.expect(20, 9);
@@ -336,7 +338,7 @@ TEST_CASE("What counts most is read first, whoever wants it, and what is only ex
 
 TEST_CASE("Weights may be anything") {
     Pages p(600, by_hand(40 * page_bytes));
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     constexpr float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     for (std::uint32_t round = 0; round < 10; ++round) {
         user.begin_frame();
@@ -356,7 +358,7 @@ TEST_CASE("A frame that waits has what it asks for, as long as there is room") {
         const std::size_t most = 12 * page_bytes;
         Pages p(40, background ? in_background(most) : by_hand(most));
         const auto slots = std::uint32_t(p.cache->memory_bytes() / page_bytes);
-        PageCache::User user(p.cache);
+        PageUser user(p.cache);
         for (std::uint32_t begin = 1; begin < 25; ++begin) {
             user.begin_frame();
             std::vector<std::uint32_t> seen;
@@ -378,7 +380,7 @@ TEST_CASE("A frame that waits has what it asks for, as long as there is room") {
 
 TEST_CASE("A frame that waits gets the room that another one's frame holds, when that ends") {
     Pages p(60, {.most_bytes = 4 * page_bytes + 2000, .loads_in_background = false, .first_retry = 1ms});
-    PageCache::User a(p.cache), b(p.cache);
+    PageUser a(p.cache), b(p.cache);
     frame(p, a, range(1, 20));
     p.cache->load_wanted();
     a.begin_frame();
@@ -402,7 +404,7 @@ TEST_CASE("Two frames that wait at once do not wait for each other") {
     std::vector<std::thread> threads;
     for (std::uint32_t t = 0; t < 3; ++t) {
         threads.emplace_back([&, t] {
-            PageCache::User user(p.cache);
+            PageUser user(p.cache);
             for (std::uint32_t round = 0; round < 50; ++round) {
                 user.begin_frame();
                 for (std::uint32_t i = 0; i < 8; ++i) {
@@ -420,7 +422,7 @@ TEST_CASE("Two frames that wait at once do not wait for each other") {
 
 TEST_CASE("Of what is only expected some pages are read each frame") {
     Pages p(600, by_hand());
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     user.begin_frame();
     for (std::uint32_t i = 1; i < 200; ++i) user.expect(i, float(i));
     for (std::uint32_t i = 300; i < 320; ++i) user.find(i, 2);
@@ -430,7 +432,7 @@ TEST_CASE("Of what is only expected some pages are read each frame") {
 
 TEST_CASE("A frame enters what is in a page twice as often as it is there, and no more") {
     Pages p(10, by_hand());
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     for (int i = 0; i < 3; ++i) {
         user.begin_frame();
         for (int n = 0; n < 10; ++n) CHECK(user.may_enter(3, 5));
@@ -447,7 +449,7 @@ TEST_CASE("Two that wait for a page read it once") {
     std::atomic<int> found{0};
     for (int i = 0; i < 3; ++i) {
         threads.emplace_back([&] {
-            PageCache::User user(p.cache);
+            PageUser user(p.cache);
             user.begin_frame();
             found += user.find_or_wait(7, 2) != PageSlots::none;
             user.end_frame();
@@ -463,7 +465,7 @@ TEST_CASE("Two that wait for a page read it once") {
 
 TEST_CASE("Loading what is wanted waits for what is being loaded already") {
     Pages p(10, in_background());
-    PageCache::User user(p.cache);
+    PageUser user(p.cache);
     p.source.hold();
     frame(p, user, {{7}});
     REQUIRE(comes_true([&] { return p.source.in_flight() == 1; }));
@@ -480,7 +482,7 @@ TEST_CASE("Caches go while reads run, without waiting for their answers") {
     for (int i = 0; i < 20; ++i) {
         Pages p(50, in_background());
         {
-            PageCache::User user(p.cache);
+            PageUser user(p.cache);
             if (i % 2 == 0) p.source.hold();
             frame(p, user, range(1, 50));
             if (i % 2 == 0) CHECK(comes_true([&] { return p.source.in_flight() != 0; }));
@@ -493,7 +495,7 @@ TEST_CASE("Caches go while reads run, without waiting for their answers") {
 TEST_CASE("Whoever stands still loads nothing more, whatever the limit") {
     for (const std::size_t slots : {4u, 12u, 40u}) {
         Pages p(60, by_hand(slots * page_bytes + 4096));
-        PageCache::User user(p.cache);
+        PageUser user(p.cache);
         std::vector<Wanted> wanted;
         Random random(slots);
         for (std::uint32_t page = 0; page < 30; ++page) wanted.push_back({page, random.between(1, 20)});
@@ -513,7 +515,7 @@ TEST_CASE("Whoever stands still loads nothing more, whatever the limit") {
 TEST_CASE("Whoever looks to and fro has no page read more than twice in sixty frames") {
     for (const std::size_t slots : {4u, 12u, 25u}) {
         Pages p(100, by_hand(slots * page_bytes + 4096));
-        PageCache::User user(p.cache);
+        PageUser user(p.cache);
         std::map<std::uint32_t, std::vector<std::size_t>> frames_of_page;
         std::size_t known = p.source.reads().size();
         for (std::size_t i = 0; i < 600; ++i) {
@@ -541,7 +543,7 @@ TEST_CASE("Several on one cache, behind faults of all kinds, see pages that are 
         threads.emplace_back([&, seed] {
             Random random(seed);
             for (int life = 0; life < 4; ++life) {
-                PageCache::User user(p.cache);
+                PageUser user(p.cache);
                 for (int i = 0; i < 300; ++i) {
                     user.begin_frame();
                     std::vector<std::pair<std::uint32_t, std::uint32_t>> seen;

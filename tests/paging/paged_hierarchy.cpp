@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -23,6 +24,7 @@
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
@@ -533,6 +535,63 @@ TEST_CASE("A cache smaller than what is looked at reads no page more than twice 
     CHECK(pages.cache_stats().evictions > 10);
     for (const auto& [page, frames] : frames_of_page) {
         for (std::size_t i = 2; i < frames.size(); ++i) CHECK(frames[i] - frames[i - 2] >= 60);
+    }
+}
+
+TEST_CASE("Nothing leads nowhere: what is in memory can be come to, however walks have counted it") {
+    const Scene scene(mixed_triangles(20000, 7), 2048);
+    Memory memory{scene.bytes};
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        const auto source = std::make_shared<Faulty>(memory);
+        auto pages = open_pages_of<Tensors, Triangle>(
+            source, "memory", {.most_bytes = 20 * scene.header().page_bytes + 16384, .loads_in_background = false});
+        Random random(seed);
+        // Every second cell, each counting for what comes up; or all, and which pages they lie in.
+        const auto walk = [&](const Paged& user, bool all) {
+            std::set<std::uint32_t> reached{0};
+            const auto visit = [&](auto&& self, Subtree subtree) -> void {
+                if (const Node node = user.nodes()[subtree.node]; user.is_portal(node)) {
+                    if (!all && random.below(2) == 0) return;
+                    if (!user.follow(subtree, all ? 0 : random.between(1, 100))) return;
+                    reached.insert(detail::portal_of(node).page);
+                }
+                for_each_child<VisitOrder::any>(user, subtree, glm::vec4(0, 0, 0, 1),
+                                                [&](const Subtree& child) { self(self, child); });
+            };
+            user.begin_frame();
+            visit(visit, user.whole());
+            user.end_frame();
+            return reached.size();
+        };
+        const Paged a = pages, b = pages, whoever_looks = pages;
+        std::vector<std::size_t> reads_until{source->reads().size()};
+        std::size_t in_use = 0;
+        for (int i = 0; i < 200; ++i) {
+            walk(random.below(2) == 0 ? a : b, false);
+            while (pages.load_wanted() != 0) {
+            }
+            const auto reached = walk(whoever_looks, true);
+            whoever_looks.begin_frame();  // to want nothing
+            whoever_looks.end_frame();
+            whoever_looks.forget();
+            // What came back stays, whatever leads to it.
+            const auto reads = source->reads();
+            reads_until.push_back(reads.size());
+            std::map<std::uint64_t, std::size_t> times;
+            std::size_t held = 0;
+            for (std::size_t r = 0; r < reads.size(); ++r) {
+                for (std::uint64_t at = 0; at < reads[r].count; at += pages.page_bytes()) {
+                    const bool is_again = ++times[reads[r].offset + at] > 1;
+                    held += is_again && r >= reads_until[std::size_t(std::max(0, i - 60))];
+                }
+            }
+            const std::size_t resident = pages.cache_stats().resident;
+            REQUIRE(reached <= resident);
+            REQUIRE(reached + held >= resident);
+            in_use += reached;
+        }
+        CHECK(in_use > 200 * 5);
+        CHECK(pages.cache_stats().evictions > 50);
     }
 }
 

@@ -19,7 +19,8 @@ file(MAKE_DIRECTORY "${DIRECTORY}")
 # NAME.gch for `-include NAME`.
 set(includes)
 foreach(header approximation/color_cube approximation/exact partition/octree partition/polygon_bsp
-               cost_model/triangle_count primitive/triangle build viewer)
+               cost_model/triangle_count primitive/triangle build viewer
+               paging/open_pages paging/write_pages primitive/instance)
   string(APPEND includes "#include \"farfield/${header}.hpp\"\n")
 endforeach()
 set(options -std=c++20 "-I${SOURCE_DIRECTORY}/include")
@@ -175,6 +176,14 @@ expect(paint_of_pieces "needs a partition that does not cut polygons"
         ${triangles} build<H>(triangles, BuildOptions<H, Sampler>{}); }")
 expect(no_hierarchy "build<SpatialHierarchy<Octree, OpacityTensor, TriangleCount>>(primitives)"
        "${triangles} auto h = build(triangles); }")
+
+# --- what cannot be done in pages
+
+expect(no_stand_ins_in_pages "what is drawn while a page is missing is a stand-in"
+       "using H = SpatialHierarchy<Octree, Exact, TriangleCount>;
+        ${triangles} save_pages<H, Triangle>(build<H>(triangles), triangles, \"x\"); }")
+expect(no_pages_of_instances "an instance borrows its hierarchy"
+       "${cubes} int main() { open_pages<Cubes, Instance<Cubes, Triangle>>(\"x\"); }")
 
 # --- renderers: a flag without its hook, one after the other
 

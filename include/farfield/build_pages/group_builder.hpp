@@ -76,10 +76,11 @@ class GroupBuilder {
         }
         PageForest<H, P> forest(trees, build_.plan.page_bytes, build_.plan.page_bytes);
         if (!forest.fits()) return {{}, {}, forest.needed_bytes()};
-        out.pages.reserve(std::size_t(forest.page_count()) * build_.plan.page_bytes);
-        forest.write(0, build_.plan.facts.fingerprint, [&](std::span<const std::byte> page) {
-            out.pages.insert(out.pages.end(), page.begin(), page.end());
-        });
+        const std::size_t page_bytes = build_.plan.page_bytes;
+        out.pages.resize(forest.page_count() * page_bytes);
+        for (std::uint32_t p = 0; p < forest.page_count(); ++p) {
+            forest.fill(p, std::span(out.pages).subspan(p * page_bytes, page_bytes), p, build_.plan.facts.fingerprint);
+        }
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             out.parts[i].root = forest.root_of(i);
             out.parts[i].stand_in = *hierarchies[i].root_stand_in();
@@ -98,8 +99,8 @@ class GroupBuilder {
         }
         return world;
     }
-    std::vector<P> sorted_by_part(const Tree& tree, std::span<const std::uint32_t> nodes,
-                                  const std::vector<P>& mixed_up, std::vector<std::size_t>& ends) const {
+    std::vector<P> sorted_by_part(const Tree& tree, std::span<const std::uint32_t> nodes, std::vector<P> mixed_up,
+                                  std::vector<std::size_t>& ends) const {
         if (nodes.size() == 1) {
             ends = {mixed_up.size()};
             return mixed_up;

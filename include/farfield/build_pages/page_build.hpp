@@ -16,6 +16,7 @@
 #include "farfield/build_pages/page_share.hpp"
 #include "farfield/build_pages/top_tree.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/paging/page_file_head.hpp"
 #include "farfield/paging/page_forest.hpp"
 #include "farfield/paging/page_format.hpp"
 #include "farfield/sampler/grid_sampler.hpp"

@@ -20,6 +20,7 @@
 #include "farfield/build/build_progress.hpp"
 #include "farfield/build_pages/build_journal.hpp"
 #include "farfield/build_pages/group_builder.hpp"
+#include "farfield/build_pages/ordered_results.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
 #include "farfield/build_pages/scattered_file.hpp"
@@ -74,7 +75,9 @@ class ShareBuilder {
     }
 
   private:
-    static constexpr std::size_t groups_at_once = 4;
+    /// More keep threads from waiting for one another at the end of each round; a group that comes long before its turn
+    /// has to wait in memory.
+    static constexpr std::size_t groups_at_once = 8;
 
     /// Returns 0, or the bytes that one cell needs where pages are too small for it.
     template <class Stream>
@@ -109,28 +112,21 @@ class ShareBuilder {
         std::vector<std::uint64_t> first_item{0};
         for (std::size_t g = begin; g < end; ++g) first_item.push_back(first_item.back() + tree.items_of_group(g));
         std::uint32_t page_count = known.pages;
-        // While groups are built, those before them are written.
-        std::array<BuiltGroup, groups_at_once> built, written;
-        std::size_t waiting = 0, next = begin + known.groups;
         const GroupBuilder<Build> build_group(build_);
-        while (next < end || waiting != 0) {
+        // Whoever has built one writes those whose turn it is, while others build.
+        OrderedResults<BuiltGroup> results(groups_at_once);
+        for (std::size_t next = begin + known.groups; next < end;) {
             const std::size_t count = std::min(groups_at_once, end - next);
-            build_.control.run_quietly(count + 1, [&](std::size_t i) {
-                if (i != 0) {
-                    const std::size_t g = next + i - 1;
-                    built[i - 1] = build_group(tree, g, files.scattered(), first_item[g - begin]);
-                    return;
-                }
-                for (std::size_t w = 0; w < waiting; ++w) {
-                    write_group(written[w], pages, page_count, journal);
-                    written[w] = {};
-                }
+            results.restart();
+            std::uint64_t needed = 0;
+            build_.control.run_quietly(count, [&](std::size_t i) {
+                const std::size_t g = next + i;
+                results.add(i, build_group(tree, g, files.scattered(), first_item[g - begin]), [&](BuiltGroup& group) {
+                    if (needed == 0) needed = group.needed_bytes;
+                    if (needed == 0) write_group(group, pages, page_count, journal);
+                });
             });
-            for (std::size_t i = 0; i < count; ++i) {
-                if (built[i].needed_bytes != 0) return built[i].needed_bytes;
-            }
-            std::swap(built, written);
-            waiting = count;
+            if (needed != 0) return needed;
             next += count;
             build_.control.report(BuildPhase::building, std::size_t(first_item[next - begin]),
                                   std::size_t(first_item.back()));

@@ -20,6 +20,7 @@
 #include "farfield/build_pages/top_tree.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/hierarchy/build_report.hpp"
+#include "farfield/paging/page_file_head.hpp"
 #include "farfield/paging/page_forest.hpp"
 #include "farfield/paging/page_format.hpp"
 #include "farfield/storage/mapped_file.hpp"

@@ -89,7 +89,7 @@ class TopPages {
         const H h = hierarchy_of(std::move(data));
         PageForest<H, P> forest({{&h, own_items, elsewhere}}, build_.plan.page_bytes, build_.plan.page_bytes);
         std::uint32_t number = 0;
-        forest.write(0, build_.plan.facts.fingerprint,
+        forest.write(build_.plan.facts.fingerprint,
                      [&](std::span<const std::byte> page) { out.write_at(build_.offset_of(number++), page); });
         return forest.root_of(0);
     }

@@ -5,67 +5,32 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <thread>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "farfield/fail.hpp"
+#include "farfield/paging/page_attempts.hpp"
+#include "farfield/paging/page_cache_options.hpp"
+#include "farfield/paging/page_demand.hpp"
+#include "farfield/paging/page_room.hpp"
 #include "farfield/paging/page_slots.hpp"
 #include "farfield/paging/page_source.hpp"
+#include "farfield/paging/wanted_pages.hpp"
 
-namespace farfield {
-
-struct PageCacheOptions {
-    /// A limit that is never exceeded: pages, what is being read, and the cache's own tables together. Every viewer
-    /// takes 16 bytes a page beside, and what it asks for.
-    std::size_t most_bytes = std::size_t(256) << 20;
-    /// Off: nothing is loaded but by load_wanted() and by viewers that wait, on their threads.
-    bool loads_in_background = true;
-    /// Between two attempts to read what failed: the first wait, doubled each time up to the longest.
-    std::chrono::milliseconds first_retry{50}, longest_retry{5000};
-};
-
-struct PageCacheStats {
-    std::uint64_t loads = 0;  ///< pages
-    std::uint64_t reads = 0;  ///< of one page or several
-    std::uint64_t bytes_read = 0;
-    std::uint64_t failures = 0;  ///< pages that could not be read, or were not sound
-    std::uint64_t evictions = 0;
-    std::uint64_t reloads = 0;   ///< of a page that went less than 60 frames ago
-    std::uint64_t resident = 0;  ///< pages
-    std::uint64_t missing = 0;   ///< pages that the last frames asked for
-    std::size_t bytes = 0;       ///< that all of it takes, at most
-    std::string last_failure{};  ///< one line
-};
-
-namespace detail {
-
-/// Where pages lie in a source.
-struct PagePlaces {
-    std::uint64_t first_page = 0;
-    std::uint32_t page_bytes = 0;
-    std::uint32_t page_count = 0;
-};
-
-/// A page that a frame has missed, or will.
-struct WantedPage {
-    float weight = 0;
-    std::uint32_t page = 0;
-    friend bool operator==(const WantedPage&, const WantedPage&) = default;
-};
+namespace farfield::detail {
 
 class PageCache {
   public:
@@ -84,18 +49,14 @@ class PageCache {
           read_(std::move(read)),
           prepare_(std::move(prepare)),
           cancel_(std::move(cancel)),
-          options_(options),
           threads_wanted_(options.loads_in_background ? std::max(merging.most_reads_at_once, 1u) : 0),
-          pages_a_read_(pages_a_read()),
-          slots_(places.page_count, slots_within()),
-          memory_(std::make_unique_for_overwrite<Line[]>(
-              std::size_t(slots_.slot_count()) * places.page_bytes / sizeof(Line) + 1)) {
-        options_.first_retry = std::max(options_.first_retry, std::chrono::milliseconds(1));
-        options_.longest_retry = std::max(options_.longest_retry, options_.first_retry);
+          room_(where_, places, options.most_bytes, threads_wanted_, merging.largest_read),
+          slots_(places.page_count, room_.slots()),
+          memory_(std::make_unique_for_overwrite<Line[]>(room_.page_bytes() / sizeof(Line) + 1)),
+          attempts_(places.page_count, options.first_retry, options.longest_retry) {
         std::vector<std::byte> no_buffer;
         std::unique_lock lock(mutex_);
-        states_.resize(places_.page_count);
-        load({{std::numeric_limits<float>::infinity(), 0}}, no_buffer, nullptr, lock);
+        load({{{std::numeric_limits<float>::infinity(), 0}}}, no_buffer, nullptr, lock);
         if (!slots_.is_resident(0)) {
             fail<std::runtime_error>("farfield::open_pages: " + where_ +
                                      ": its first page cannot be used: " + stats_.last_failure);
@@ -115,7 +76,7 @@ class PageCache {
     PageCache& operator=(const PageCache&) = delete;
 
     const std::byte* memory() const { return reinterpret_cast<const std::byte*>(memory_.get()); }
-    std::size_t memory_bytes() const { return std::size_t(slots_.slot_count()) * places_.page_bytes; }
+    std::size_t memory_bytes() const { return room_.page_bytes(); }
     const PagePlaces& places() const { return places_; }
 
     PageCacheStats stats() const {
@@ -124,259 +85,108 @@ class PageCache {
         s.evictions = slots_.evictions();
         s.reloads = slots_.reloads();
         s.resident = slots_.resident();
-        for (const User* u : users_) s.missing += u->wanted.size();
-        s.bytes = bytes_of(slots_.slot_count());
+        s.missing = demand_.count();
+        s.bytes = room_.bytes();
         return s;
     }
 
-    /// One that looks at pages: a viewer, or whoever picks. Not to be used by two threads at once.
-    class User {
-      public:
-        explicit User(std::shared_ptr<PageCache> cache)
-            : cache_(std::move(cache)), asked_(cache_->places_.page_count), entered_(cache_->places_.page_count) {
-            const std::lock_guard lock(cache_->mutex_);
-            cache_->users_.push_back(this);
-            cache_->visits_.push_back(&visits);
-        }
-        ~User() {
-            {
-                const std::lock_guard lock(cache_->mutex_);
-                std::erase(cache_->users_, this);
-                std::erase(cache_->visits_, &visits);
-            }
-            cache_->changed_.notify_all();
-        }
-        User(const User&) = delete;
-        User& operator=(const User&) = delete;
+    // Of those who look at pages (page_user.hpp).
 
-        PageCache& cache() const { return *cache_; }
-
-        void begin_frame() {
-            asking_.clear();
-            frame_ = cache_->slots_.begin(visits);
+    PageSlots& slots() { return slots_; }
+    void add(KnownUser& user) {
+        const std::lock_guard lock(mutex_);
+        demand_.add(user);
+    }
+    void remove(KnownUser& user) {
+        {
+            const std::lock_guard lock(mutex_);
+            demand_.remove(user);
         }
-        /// What was not found replaces what the frame before wanted.
-        void end_frame() {
-            PageSlots::end(visits);
-            frame_ = 0;
-            // More will not be there before the next frame, which asks anew; and the lock is held while they are looked
-            // through.
-            const std::size_t kept = std::min(asking_.size(), most_wanted);
-            std::partial_sort(asking_.begin(), asking_.begin() + std::ptrdiff_t(kept), asking_.end(),
-                              [](const WantedPage& a, const WantedPage& b) {
-                                  return a.weight != b.weight ? a.weight > b.weight : a.page < b.page;
-                              });
-            asking_.resize(kept);
-            // Some each frame: they are not needed at once, and reading them all would keep what is.
-            const auto first_expected =
-                std::find_if(asking_.begin(), asking_.end(), [](const WantedPage& w) { return w.weight < needed; });
-            if (std::size_t(asking_.end() - first_expected) > most_expected) {
-                asking_.erase(first_expected + most_expected, asking_.end());
-            }
-            {
-                const std::lock_guard lock(cache_->mutex_);
-                wanted.swap(asking_);
-                next = 0;
-            }
-            cache_->changed_.notify_all();
+        changed_.notify_all();
+    }
+    /// What a frame that has ended has not found, the most wanted first. It is exchanged for what one before wanted.
+    void want(KnownUser& user, std::vector<WantedPage>& pages) {
+        {
+            const std::lock_guard lock(mutex_);
+            user.wanted.swap(pages);
+            user.next = 0;
         }
-        /// As if it had never looked: its pages are no longer in use, though it may look again.
-        void forget() { PageSlots::forget(visits); }
-        bool is_in_frame() const { return frame_ != 0; }
-        /// The slot of a page, which stays until the frame ends; PageSlots::none, and it is asked for.
-        std::uint32_t find(std::uint32_t page, float weight) {
-            weight = ordered(weight);
-            const std::uint32_t slot = cache_->slots_.find(page, frame_, weight);
-            if (slot == PageSlots::none) ask(page, weight);
-            return slot;
+        changed_.notify_all();
+    }
+    /// Reads a page for a frame that waits, if there is room.
+    void load_now(const WantedPage& wanted, KnownUser& user) {
+        std::vector<std::byte> no_buffer;
+        Lock lock(mutex_);
+        while (attempts_.is_loading(wanted.page)) changed_.wait(lock);
+        while (may_load(wanted.page) && !is_changed_ &&
+               load({{wanted}, &user.visits}, no_buffer, &user.visits, lock) == 0 &&
+               slots_.will_have_room(demand_.visits(), user.visits)) {
+            // All that could go is in use by frames of others, which end; but not if they wait for this one, or if this
+            // thread runs them too.
+            user.visits.is_blocked = true;
+            const bool has_room = changed_.wait_for(
+                lock, attempts_.longest_wait(), [&] { return !slots_.will_have_room(demand_.visits(), user.visits); });
+            user.visits.is_blocked = false;
+            if (!has_room) return;
         }
-        /// The same for what later frames may want: the slot counts as used only a little, and what is missing is
-        /// asked for when nothing else is.
-        std::uint32_t expect(std::uint32_t page, float weight) {
-            weight = ordered(weight);
-            weight = 0.125f * (weight < 1 ? weight : 2 - 1 / weight);  // below 0.25, and in order
-            const std::uint32_t slot = cache_->slots_.find(page, frame_, weight);
-            if (slot == PageSlots::none) ask(page, weight);
-            return slot;
-        }
-        /// Whether a frame may enter one more of a page's `units`. In a file that was built each is entered once, or
-        /// twice if it is expected too. A forged one could lead to the same unit by many ways, and those below it by
-        /// many times as many, which is not to be seen by looking at any one of its pages.
-        bool may_enter(std::uint32_t page, std::uint32_t units) {
-            Entered& entered = entered_[page];
-            if (entered.frame != frame_) entered = {frame_, 0};
-            return entered.count++ < 2 * units;
-        }
-        /// Loads it now, if there is room.
-        std::uint32_t find_or_wait(std::uint32_t page, float weight) {
-            weight = ordered(weight);
-            const std::uint32_t slot = cache_->slots_.find(page, frame_, weight);
-            if (slot != PageSlots::none) return slot;
-            cache_->load_now({weight, page}, *this);
-            return find(page, weight);
-        }
-        // The cache's, under its lock.
-        PageVisits visits;
-        std::vector<WantedPage> wanted{};  ///< most wanted first
-        std::size_t next = 0;              ///< before it all are loaded or being loaded
-
-      private:
-        static constexpr std::size_t most_wanted = 512;
-        static constexpr std::size_t most_expected = 8;
-        static constexpr float needed = 0.5f;  ///< what weighs less is expected
-        struct Asked {
-            std::uint32_t frame = 0, index = 0;
-        };
-        struct Entered {
-            std::uint32_t frame = 0, count = 0;
-        };
-        friend class PageCache;
-
-        /// Without what has no order: a cell without extent errs by 0, which may be divided by a tolerance of 0.
-        static float ordered(float weight) { return weight >= 0 ? weight : 1.0f; }
-        void ask(std::uint32_t page, float weight) {
-            Asked& asked = asked_[page];
-            if (asked.frame == frame_) {
-                WantedPage& w = asking_[asked.index];
-                w.weight = std::max(w.weight, weight);
-                return;
-            }
-            asked = {frame_, std::uint32_t(asking_.size())};
-            asking_.push_back({weight, page});
-        }
-
-        std::shared_ptr<PageCache> cache_;
-        std::vector<Asked> asked_;      ///< by page: the frame that it was asked for in, and where it is in `asking_`
-        std::vector<Entered> entered_;  ///< by page: how often in a frame
-        std::vector<WantedPage> asking_;
-        std::uint32_t frame_ = 0;
-    };
+    }
 
     /// Loads what frames have asked for, on this thread, until nothing is left that can be loaded now. Returns the
     /// number of pages.
     std::size_t load_wanted() {
         // The buffers that are counted are those of the threads, if there are any.
-        const std::uint32_t most = threads_wanted_ == 0 ? pages_a_read_ : 1;
-        std::vector<std::byte> buffer(buffer_bytes(most));
+        const std::uint32_t most = threads_wanted_ == 0 ? room_.pages_a_read() : 1;
+        std::vector<std::byte> buffer(room_.buffer_bytes(most));
         std::unique_lock lock(mutex_);
         std::size_t count = 0;
         while (true) {
-            const std::vector<WantedPage> batch = next_batch(most);
-            if (batch.empty()) {
-                if (!is_wanted_page_loading()) return count;
+            const NextRead read = next_read(most);
+            if (read.pages.empty()) {
+                if (!demand_.any([&](std::uint32_t page) { return attempts_.is_loading(page); })) return count;
                 changed_.wait(lock);
                 continue;
             }
-            const std::size_t loaded = load(batch, buffer, nullptr, lock);
+            const std::size_t loaded = load(read, buffer, nullptr, lock);
             if (loaded == 0) return count;
             count += loaded;
         }
     }
 
   private:
-    struct alignas(64) Line {
-        std::byte bytes[64];
-    };
-    enum class State : std::uint8_t { idle, loading, refused };
-    struct Retry {
-        std::chrono::steady_clock::time_point at;
-        std::chrono::milliseconds wait;
+    struct alignas(PageRoom::alignment) Line {
+        std::byte bytes[PageRoom::alignment];
     };
     using Lock = std::unique_lock<std::mutex>;
-
-    /// Buffers take an eighth of the memory at most; where that is small, pages are read one by one.
-    std::uint32_t pages_a_read() const {
-        const std::uint64_t fit = options_.most_bytes / 8 / std::max(threads_wanted_, 1u) / places_.page_bytes;
-        return std::uint32_t(
-            std::clamp<std::uint64_t>(std::min(merging_.largest_read / places_.page_bytes, fit), 1, 64));
-    }
-    /// One page is read to where it will lie.
-    std::size_t buffer_bytes(std::uint32_t pages) const {
-        return pages > 1 ? std::size_t(pages) * places_.page_bytes : 0;
-    }
-    std::size_t bytes_of(std::uint64_t slot_count) const {
-        const std::size_t tables =
-            PageSlots::bytes(places_.page_count, slot_count) + places_.page_count * sizeof(State);
-        return tables + std::size_t(slot_count) * places_.page_bytes + sizeof(Line) +
-               std::max(threads_wanted_, 1u) * buffer_bytes(pages_a_read_);
-    }
-    std::uint32_t slots_within() const {
-        const std::size_t fixed = bytes_of(0), one = bytes_of(1) - fixed;
-        const std::size_t fit = options_.most_bytes < fixed ? 0 : (options_.most_bytes - fixed) / one;
-        if (fit < std::min<std::size_t>(2, places_.page_count)) {
-            fail<std::invalid_argument>("farfield::open_pages: " + where_ + ": most_bytes is " +
-                                        std::to_string(options_.most_bytes) + ", which leaves no room for pages of " +
-                                        std::to_string(places_.page_bytes) + " bytes: at least " +
-                                        std::to_string(fixed + 2 * one) + " are needed");
-        }
-        return std::uint32_t(std::min<std::size_t>(fit, places_.page_count));
-    }
 
     std::span<std::byte> memory_of(std::uint32_t slot) {
         return {reinterpret_cast<std::byte*>(memory_.get()) + std::size_t(slot) * places_.page_bytes,
                 places_.page_bytes};
     }
-    bool may_load(std::uint32_t page) {
-        if (states_[page] != State::idle || slots_.is_resident(page)) return false;
-        const auto retry = retries_.find(page);
-        return retry == retries_.end() || retry->second.at <= std::chrono::steady_clock::now();
-    }
+    bool may_load(std::uint32_t page) const { return attempts_.may_begin(page) && !slots_.is_resident(page); }
 
-    /// What has failed is read alone: a bad sector must not keep its neighbors away.
-    bool may_merge(std::uint32_t page) { return may_load(page) && !retries_.contains(page); }
-    bool is_wanted_page_loading() const {
-        return std::any_of(users_.begin(), users_.end(), [&](const User* u) {
-            return std::any_of(u->wanted.begin(), u->wanted.end(),
-                               [&](const WantedPage& w) { return states_[w.page] == State::loading; });
-        });
-    }
-
-    /// What is wanted most of all that can be loaded, and what lies near it in the file and is wanted too: one read of
-    /// `most_pages`.
-    std::vector<WantedPage> next_batch(std::uint32_t most_pages) {
+    /// Pages that are read together, and whose frame wants them.
+    struct NextRead {
+        std::vector<WantedPage> pages{};
+        PageVisits* by = nullptr;
+    };
+    /// What is wanted most of all that can be loaded, and what lies near it in the file and the same user wants too.
+    NextRead next_read(std::uint32_t most_pages) {
         if (is_changed_) return {};
-        User* most = nullptr;
-        for (User* u : users_) {
-            std::size_t at = u->next;
-            while (at < u->wanted.size() && slots_.is_resident(u->wanted[at].page)) ++at;
-            u->next = at;
-            while (at < u->wanted.size() && !may_load(u->wanted[at].page)) ++at;
-            if (at == u->wanted.size()) continue;
-            std::swap(u->wanted[u->next], u->wanted[at]);
-            if (most == nullptr || u->wanted[u->next].weight > most->wanted[most->next].weight) most = u;
-        }
-        if (most == nullptr) return {};
-        std::vector<WantedPage> batch{most->wanted[most->next]};
-        const auto gap = std::uint32_t(merging_.largest_gap / places_.page_bytes) + 1;
-        if (most_pages > 1 && !retries_.contains(batch[0].page)) {
-            std::vector<WantedPage> others(most->wanted.begin() + std::ptrdiff_t(most->next) + 1, most->wanted.end());
-            std::sort(others.begin(), others.end(),
-                      [](const WantedPage& a, const WantedPage& b) { return a.page < b.page; });
-            std::uint32_t first = batch[0].page, last = first;
-            const auto above =
-                std::upper_bound(others.begin(), others.end(), batch[0],
-                                 [](const WantedPage& a, const WantedPage& b) { return a.page < b.page; });
-            for (auto i = above; i != others.end() && i->page - last <= gap && i->page - first < most_pages; ++i) {
-                if (!may_merge(i->page)) continue;
-                batch.push_back(*i);
-                last = i->page;
-            }
-            for (auto i = above; i != others.begin();) {
-                --i;
-                if (i->page == first) continue;
-                if (first - i->page > gap || last - i->page >= most_pages) break;
-                if (!may_merge(i->page)) continue;
-                batch.push_back(*i);
-                first = i->page;
-            }
-        }
-        return batch;
+        KnownUser* const user = demand_.next([&](std::uint32_t page) { return slots_.is_resident(page); },
+                                             [&](std::uint32_t page) { return may_load(page); });
+        if (user == nullptr) return {};
+        const auto first = user->wanted.begin() + std::ptrdiff_t(user->next);
+        // What has failed is read alone: a bad sector must not keep its neighbors away.
+        if (most_pages <= 1 || attempts_.has_failed(first->page)) return {{*first}, &user->visits};
+        return {pages_of_one_read(*first, {first + 1, user->wanted.end()}, most_pages,
+                                  std::uint32_t(merging_.largest_gap / places_.page_bytes) + 1,
+                                  [&](std::uint32_t page) { return may_load(page) && !attempts_.has_failed(page); }),
+                &user->visits};
     }
 
     /// Reads pages that lie near one another together, the most wanted one first if there is not room for all. The lock
     /// is not held meanwhile. Returns how many are there now.
-    std::size_t load(const std::vector<WantedPage>& batch, std::vector<std::byte>& buffer, const PageVisits* own,
-                     Lock& lock) {
+    std::size_t load(const NextRead& read, std::vector<std::byte>& buffer, const PageVisits* own, Lock& lock) {
         struct Loading {
             WantedPage wanted;
             std::uint32_t slot;
@@ -384,11 +194,11 @@ class PageCache {
         };
         std::vector<Loading> loading;
         std::uint32_t first = PageSlots::none, last = 0;
-        for (const WantedPage& w : batch) {
-            const std::uint32_t slot = slots_.take(w.weight, visits_, own);
+        for (const WantedPage& w : read.pages) {
+            const std::uint32_t slot = slots_.take(w.weight, demand_.visits(), own);
             if (slot == PageSlots::none) break;
             loading.push_back({w, slot, nullptr});
-            states_[w.page] = State::loading;
+            attempts_.begin(w.page);
             first = std::min(first, w.page);
             last = std::max(last, w.page);
         }
@@ -413,10 +223,9 @@ class PageCache {
         std::size_t loaded = 0;
         for (const Loading& l : loading) {
             const std::uint32_t page = l.wanted.page;
-            states_[page] = State::idle;
             if (result.status == ReadStatus::done && l.fault == nullptr) {
-                retries_.erase(page);
-                slots_.publish(page, l.slot, l.wanted.weight, page == 0);
+                attempts_.succeed(page);
+                slots_.publish(page, l.slot, l.wanted.weight, page == 0, demand_.has(read.by) ? read.by : nullptr);
                 ++stats_.loads;
                 ++loaded;
                 continue;
@@ -434,36 +243,17 @@ class PageCache {
                 fault != nullptr ? where_ + ": page " + std::to_string(page) + ": " + fault : result.message;
         }
         if (result.status == ReadStatus::changed) is_changed_ = true;
-        if (result.status == ReadStatus::refused && was_alone) states_[page] = State::refused;
-        Retry& retry = retries_[page];
-        retry.wait = retry.wait.count() == 0 ? options_.first_retry : std::min(2 * retry.wait, options_.longest_retry);
-        retry.at = std::chrono::steady_clock::now() + retry.wait;
-    }
-
-    void load_now(const WantedPage& wanted, User& user) {
-        std::vector<std::byte> no_buffer;
-        Lock lock(mutex_);
-        while (states_[wanted.page] == State::loading) changed_.wait(lock);
-        while (may_load(wanted.page) && !is_changed_ && load({wanted}, no_buffer, &user.visits, lock) == 0 &&
-               slots_.will_have_room(visits_, user.visits)) {
-            // All that could go is in use by frames of others, which end; but not if they wait for this one, or if this
-            // thread runs them too.
-            user.visits.is_blocked = true;
-            const bool has_room = changed_.wait_for(lock, options_.longest_retry,
-                                                    [&] { return !slots_.will_have_room(visits_, user.visits); });
-            user.visits.is_blocked = false;
-            if (!has_room) return;
-        }
+        attempts_.fail(page, result.status == ReadStatus::refused && was_alone);
     }
 
     void load_in_background() {
-        std::vector<std::byte> buffer(buffer_bytes(pages_a_read_));
+        std::vector<std::byte> buffer(room_.buffer_bytes(room_.pages_a_read()));
         Lock lock(mutex_);
         while (!stops_) {
-            const std::vector<WantedPage> batch = next_batch(pages_a_read_);
-            if (!batch.empty() && load(batch, buffer, nullptr, lock) != 0) continue;
+            const NextRead read = next_read(room_.pages_a_read());
+            if (!read.pages.empty() && load(read, buffer, nullptr, lock) != 0) continue;
             // Something new is wanted, a frame has ended, or it is time to try again.
-            changed_.wait_for(lock, options_.first_retry);
+            changed_.wait_for(lock, attempts_.first_wait());
         }
     }
 
@@ -473,21 +263,17 @@ class PageCache {
     Read read_;
     Prepare prepare_;
     Cancel cancel_;
-    PageCacheOptions options_;
     unsigned threads_wanted_;
-    std::uint32_t pages_a_read_;
+    PageRoom room_;
     PageSlots slots_;
     std::unique_ptr<Line[]> memory_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    std::vector<State> states_;
-    std::unordered_map<std::uint32_t, Retry> retries_;  ///< of pages that failed
-    std::vector<User*> users_;
-    std::vector<PageVisits*> visits_;
+    PageAttempts attempts_;
+    PageDemand demand_;
     PageCacheStats stats_;
     bool is_changed_ = false, stops_ = false;
     std::vector<std::thread> threads_;
 };
 
-}  // namespace detail
-}  // namespace farfield
+}  // namespace farfield::detail

@@ -74,18 +74,36 @@ class PageForest {
         return {u.page, u.number, u.subtree.end_item, trees_[tree].hierarchy->nodes()[0]};
     }
 
-    /// Calls write(page) for each page, whose numbers are `first_number` and on; all have page_bytes().
+    /// Calls write(page) for each page, whose numbers are their places; all have page_bytes().
     template <class Write>
-    void write(std::uint32_t first_number, std::uint64_t fingerprint, Write&& write) {
+    void write(std::uint64_t fingerprint, Write&& write) const {
         std::vector<std::byte> page(page_bytes_);
-        for (std::size_t first = 0, number = 0; first < units_.size(); ++number) {
-            std::size_t end = first;
-            while (end < units_.size() && units_[end].page == number) ++end;
-            fill(page, std::span(units_).subspan(first, end - first), first_number + std::uint32_t(number),
-                 fingerprint);
+        for (std::uint32_t p = 0; p < page_count_; ++p) {
+            std::fill(page.begin(), page.end(), std::byte(0));
+            fill(p, page, p, fingerprint);
             write(std::span<const std::byte>(page));
-            first = end;
         }
+    }
+    /// Fills in one page, which is all zeros before, and gives it a number.
+    void fill(std::uint32_t page, std::span<std::byte> bytes, std::uint32_t number, std::uint64_t fingerprint) const {
+        const auto units = std::span(units_).subspan(first_unit_[page], first_unit_[page + 1] - first_unit_[page]);
+        Filling to(bytes, units);
+        for (std::size_t i = 0; i < units.size(); ++i) {
+            add_contents(to, units[i], units[i].subtree, std::uint32_t(i));
+        }
+        to.nodes[units.size()] = Node{.first_item = to.items_used};
+        PageHeader header;
+        header.number = number;
+        header.level = units.front().subtree.cell.depth;
+        header.unit_count = std::uint32_t(units.size());
+        header.node_count = to.nodes_used;
+        header.stand_in_count = to.stand_ins_used;
+        header.item_count = to.items_used;
+        header.used_bytes = to.used_bytes;
+        header.fingerprint = fingerprint;
+        std::memcpy(bytes.data(), &header, sizeof header);
+        header.checksum = checksum_of_page(bytes, header.used_bytes);
+        std::memcpy(bytes.data(), &header, sizeof header);
     }
 
   private:
@@ -145,34 +163,25 @@ class PageForest {
         for (std::size_t t = 0; t < trees_.size(); ++t) root_unit_.push_back(unit_of_node_[t][0]);
     }
 
-    /// A page holds units of one level, or all of several that fit: the first levels of a tree are small.
+    /// Page after page, level after level: where a level ends in a page, the next one begins. A page by itself for the
+    /// end of each level would be three parts of a hundred of a file.
     void place_units() {
         PageFill fill;
-        std::uint32_t page = 0, number = 0;
-        for (std::size_t first = 0; first < units_.size();) {
-            const std::size_t end = end_of_level(first);
-            PageFill level = fill;
-            for (std::size_t i = first; i < end; ++i) level.add(units_[i]);
-            const bool fits = level.bytes() <= page_bytes_ && number + (end - first) <= most_units_of_page;
-            if (!fits && number != 0) {
-                ++page;
-                number = 0;
-                fill = {};
+        for (std::size_t i = 0; i < units_.size(); ++i) {
+            Unit& u = units_[i];
+            PageFill with = fill;
+            with.add(u);
+            if (i == 0 || with.bytes() > page_bytes_ || i - first_unit_.back() == most_units_of_page) {
+                first_unit_.push_back(i);
+                with = {};
+                with.add(u);
             }
-            for (; first < end; ++first) {
-                Unit& u = units_[first];
-                fill.add(u);
-                if (fill.bytes() > page_bytes_ || number == most_units_of_page) {
-                    ++page;
-                    number = 0;
-                    fill = {};
-                    fill.add(u);
-                }
-                u.page = page;
-                u.number = number++;
-            }
+            fill = with;
+            u.page = std::uint32_t(first_unit_.size() - 1);
+            u.number = std::uint32_t(i - first_unit_.back());
         }
-        page_count_ = units_.empty() ? 0 : page + 1;
+        page_count_ = std::uint32_t(first_unit_.size());
+        first_unit_.push_back(units_.size());
     }
     struct PageFill {
         std::uint64_t nodes = 1, stand_ins = 0, items = 0;
@@ -183,59 +192,63 @@ class PageForest {
         }
         std::uint64_t bytes() const { return Records::layout_bytes(nodes, stand_ins, items); }
     };
-    std::size_t end_of_level(std::size_t first) const {
-        std::size_t end = first;
-        while (end < units_.size() && units_[end].subtree.cell.depth == units_[first].subtree.cell.depth) ++end;
-        return end;
-    }
+    /// The arrays of a page, in its bytes, and how much of them is filled in.
+    struct Filling {
+        using NodeData = typename H::node_data;
+        using StandIn = typename H::stand_in_data;
+        Node* nodes;
+        std::byte *node_data, *stand_ins, *items;  ///< which pages in a build are not aligned for
+        std::uint32_t nodes_used, stand_ins_used = 0, items_used = 0, used_bytes;
 
-    struct PageParts {
-        std::vector<Node> nodes;
-        std::vector<typename H::node_data> node_data;
-        std::vector<typename H::stand_in_data> stand_ins;
-        std::vector<P> items;
-
-        void clear() {
-            nodes.clear();
-            node_data.clear();
-            stand_ins.clear();
-            items.clear();
+        Filling(std::span<std::byte> bytes, std::span<const Unit> units) : nodes_used(std::uint32_t(units.size()) + 1) {
+            PageFill fill;
+            for (const Unit& u : units) fill.add(u);
+            const PageLayout at = Records::layout(fill.nodes, fill.stand_ins, fill.items);
+            nodes = reinterpret_cast<Node*>(bytes.data() + at.nodes);
+            node_data = bytes.data() + at.node_data;
+            stand_ins = bytes.data() + at.stand_ins;
+            items = bytes.data() + at.items;
+            used_bytes = std::uint32_t(at.end);
         }
+        void put(std::uint32_t node, const Node& record, [[maybe_unused]] const NodeData& data) {
+            nodes[node] = record;
+            nodes[node].first_item = items_used;
+            if constexpr (!std::is_empty_v<NodeData>)
+                std::memcpy(node_data + std::size_t(node) * sizeof data, &data, sizeof data);
+        }
+        void add(const StandIn& data) {
+            std::memcpy(stand_ins + std::size_t(stand_ins_used++) * sizeof data, &data, sizeof data);
+        }
+        void add(const P& item) { std::memcpy(items + std::size_t(items_used++) * sizeof item, &item, sizeof item); }
     };
 
-    void add_own_run(const Tree& tree, const Subtree& subtree) {
+    void add_own_run(Filling& to, const Tree& tree, const Subtree& subtree) const {
         const H& h = *tree.hierarchy;
         const std::uint32_t end = end_of_own_run(h, subtree);
         for (std::uint32_t at = h.nodes()[subtree.node].first_item; at < end; ++at) {
-            parts_.items.push_back(tree.primitives[h.order().empty() ? at : h.order()[at]]);
+            to.add(tree.primitives[h.order().empty() ? at : h.order()[at]]);
         }
     }
 
     /// The contents of a node that has a place already.
-    void add_contents(const Unit& unit, const Subtree& subtree, std::uint32_t place) {
+    void add_contents(Filling& to, const Unit& unit, const Subtree& subtree, std::uint32_t place) const {
         const Tree& tree = trees_[unit.tree];
         const H& h = *tree.hierarchy;
         const Node& node = h.nodes()[subtree.node];
-        parts_.nodes[place] = node;
-        parts_.nodes[place].first_item = std::uint32_t(parts_.items.size());
-        parts_.node_data[place] = h.data_of(subtree.node);
-        add_own_run(tree, subtree);
+        to.put(place, node, h.data_of(subtree.node));
+        add_own_run(to, tree, subtree);
         if (node.child_mask == 0) return;
-        const auto first = std::uint32_t(parts_.nodes.size());
-        parts_.nodes[place].first_child = first;
-        parts_.nodes[place].first_child_data = std::uint32_t(parts_.stand_ins.size());
-        parts_.nodes.resize(first + std::size_t(std::popcount(node.child_mask)));
-        parts_.node_data.resize(parts_.nodes.size());
+        const std::uint32_t first = to.nodes_used;
+        to.nodes[place].first_child = first;
+        to.nodes[place].first_child_data = to.stand_ins_used;
+        to.nodes_used += std::uint32_t(std::popcount(node.child_mask));
         for_children(tree, subtree, [&](const Subtree& child) {
-            if (child.has_stand_in()) parts_.stand_ins.push_back(h.stand_ins()[child.stand_in]);
+            if (child.has_stand_in()) to.add(h.stand_ins()[child.stand_in]);
         });
         std::uint32_t at = first;
         for_children(tree, subtree, [&](const Subtree& child) {
-            if (!child.has_stand_in()) return add_contents(unit, child, at++);
-            Node& portal = parts_.nodes[at];
-            portal = portal_of_child(unit, child);
-            portal.first_item = std::uint32_t(parts_.items.size());
-            parts_.node_data[at++] = h.data_of(child.node);
+            if (!child.has_stand_in()) return add_contents(to, unit, child, at++);
+            to.put(at++, portal_of_child(unit, child), h.data_of(child.node));
         });
     }
     Node portal_of_child(const Unit& unit, const Subtree& child) const {
@@ -250,83 +263,15 @@ class PageForest {
         return portal_to({u.page - unit.page, u.number, child.end_item - node.first_item}, node);
     }
 
-    void fill(std::span<std::byte> page, std::span<const Unit> units, std::uint32_t number, std::uint64_t fingerprint) {
-        parts_.clear();
-        parts_.nodes.resize(units.size() + 1);
-        parts_.node_data.resize(units.size() + 1);
-        for (std::size_t i = 0; i < units.size(); ++i) {
-            add_contents(units[i], units[i].subtree, std::uint32_t(i));
-        }
-        parts_.nodes[units.size()].first_item = std::uint32_t(parts_.items.size());
-        const PageLayout at = Records::layout(parts_.nodes.size(), parts_.stand_ins.size(), parts_.items.size());
-        PageHeader header;
-        header.number = number;
-        header.level = units.front().subtree.cell.depth;
-        header.unit_count = std::uint32_t(units.size());
-        header.node_count = std::uint32_t(parts_.nodes.size());
-        header.stand_in_count = std::uint32_t(parts_.stand_ins.size());
-        header.item_count = std::uint32_t(parts_.items.size());
-        header.used_bytes = std::uint32_t(at.end);
-        header.fingerprint = fingerprint;
-        std::fill(page.begin(), page.end(), std::byte(0));
-        const auto put = [&](std::uint64_t to, const auto& records) {
-            using T = typename std::remove_reference_t<decltype(records)>::value_type;
-            if (!std::is_empty_v<T> && !records.empty()) {
-                std::memcpy(page.data() + to, records.data(), records.size() * sizeof(T));
-            }
-        };
-        put(at.nodes, parts_.nodes);
-        put(at.node_data, parts_.node_data);
-        put(at.stand_ins, parts_.stand_ins);
-        put(at.items, parts_.items);
-        std::memcpy(page.data(), &header, sizeof header);
-        header.checksum = checksum_of_page(page, header.used_bytes);
-        std::memcpy(page.data(), &header, sizeof header);
-    }
-
     static constexpr std::uint32_t no_unit = std::numeric_limits<std::uint32_t>::max();
 
     std::vector<Tree> trees_;
     std::vector<Unit> units_;                               ///< page by page
+    std::vector<std::size_t> first_unit_;                   ///< by page, and where the last one ends
     std::vector<std::uint32_t> root_unit_;                  ///< by tree
     std::vector<std::vector<std::uint32_t>> unit_of_node_;  ///< by tree and node
     std::uint64_t needed_bytes_ = 0;
     std::uint32_t page_bytes_ = 0, page_count_ = 0;
-    PageParts parts_;  ///< of the page that is being filled
 };
-
-/// The first bytes of a file of pages, up to its first page.
-template <Pageable H, PageablePrimitive P>
-std::vector<std::byte> page_file_head(const typename H::partition_type& partition,
-                                      const typename H::approximation_type& approximation,
-                                      const typename H::cost_model_type& cost, const HierarchyFacts& facts,
-                                      const UnitElsewhere& root, std::uint32_t page_bytes, std::uint32_t page_count,
-                                      unsigned level_count) {
-    std::vector<std::byte> options = bytes_of(partition);
-    for (const auto& more :
-         {bytes_of<stored_approximation_of<typename H::approximation_type>>(approximation), bytes_of(cost)}) {
-        options.insert(options.end(), more.begin(), more.end());
-    }
-    PageFileHeader header;
-    header.records = page_records<H, P>();
-    header.option_bytes = std::uint32_t(options.size());
-    header.page_bytes = page_bytes;
-    header.page_count = page_count;
-    header.level_count = level_count;
-    header.first_page =
-        (sizeof header + options.size() + page_file_alignment - 1) / page_file_alignment * page_file_alignment;
-    header.file_bytes = header.first_page + std::uint64_t(page_count) * page_bytes;
-    header.node_count = facts.report.nodes;
-    header.facts = facts;
-    header.root =
-        portal_to({root.page, root.unit, std::uint32_t(std::min<std::uint64_t>(root.items, 0xffffffffu))}, root.node);
-    header.root.first_item = 0;
-    header.checksum_of_options = Xxh64::of(options);
-    header.checksum = Xxh64::of(std::as_bytes(std::span(&header, 1)).first(offsetof(PageFileHeader, checksum)));
-    std::vector<std::byte> bytes(std::size_t(header.first_page));
-    std::memcpy(bytes.data(), &header, sizeof header);
-    std::copy(options.begin(), options.end(), bytes.begin() + sizeof header);
-    return bytes;
-}
 
 }  // namespace farfield::detail

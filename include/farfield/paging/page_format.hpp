@@ -2,9 +2,9 @@
 //
 // A *unit* is the contents of a node that has a stand-in: its own run of primitives, the records and stand-ins of its
 // children, and the same of those descendants that it reaches without passing another stand-in. A page holds
-// consecutive units of one level, in the order of the partition (Morton order for an octree): a frame needs one band of
-// levels at each distance, so pages of whole subtrees would be entered for their roots alone, and 19 times as many are
-// touched. A node's record and its stand-in thus lie in its parent's page, its children and primitives in its own
+// consecutive units, level by level, in the order of the partition (Morton order for an octree): a frame needs one band
+// of levels at each distance, so pages of whole subtrees would be entered for their roots alone, and 19 times as many
+// are touched. A node's record and its stand-in thus lie in its parent's page, its children and primitives in its own
 // (Klein et al. 2002, section 5.1, read that way round), and whatever page is missing, there is something to draw in
 // its place.
 //

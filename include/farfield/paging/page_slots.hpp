@@ -20,10 +20,15 @@ namespace farfield::detail {
 
 /// One user's frames, one after the other.
 struct PageVisits {
+    explicit PageVisits(std::uint32_t slot_count) : uses(slot_count) {}
+
     std::atomic<std::uint64_t> epoch{0};       ///< that its frame began in; 0: it has none
     std::atomic<std::uint32_t> last_frame{0};  ///< the number of its last one; 0: there was none
     std::atomic<std::uint32_t> last_ended{0};  ///< the number of the last one that has ended
     bool is_blocked = false;  ///< its frame waits for others; under the lock of those who change tables
+    /// By slot: frame << 32 | bits of a weight, which are in order: the last frame that has found its page, and how
+    /// much that counted. Each user has its own: what one of them looks at in passing may be all that another one sees.
+    std::vector<std::atomic<std::uint64_t>> uses;
 };
 
 /// The functions that frames call may run at any time; whatever changes the table is called by one thread at a time.
@@ -68,19 +73,23 @@ class PageSlots {
         visits.last_ended.store(0, std::memory_order_relaxed);
         visits.last_frame.store(0, std::memory_order_relaxed);
     }
-    /// The slot of a page, or none. A frame that sees one may use it until it ends. `weight` says how much it counts,
-    /// and is not negative.
-    std::uint32_t find(std::uint32_t page, std::uint32_t frame, float weight) {
+    /// The slot of a page, or none. A frame, the last one of `visits`, that sees one may use it until it ends. `weight`
+    /// says how much it counts, and is not negative; of several in one frame the largest holds.
+    std::uint32_t find(std::uint32_t page, PageVisits& visits, float weight) const {
         const std::uint32_t slot = pages_[page].slot.load(std::memory_order_seq_cst);
         if (slot != none) {
-            const std::uint64_t use = std::uint64_t(frame) << 32 | std::bit_cast<std::uint32_t>(weight);
-            // Never back: a frame that waits takes what it has not used itself, and must not take what it has.
-            auto& last_use = slots_[slot].last_use;
-            std::uint64_t last = last_use.load(std::memory_order_relaxed);
-            while (last < use && !last_use.compare_exchange_weak(last, use, std::memory_order_relaxed)) {
-            }
+            const std::uint64_t use = use_of(visits.last_frame.load(std::memory_order_relaxed), weight);
+            std::atomic<std::uint64_t>& last = visits.uses[slot];
+            if (last.load(std::memory_order_relaxed) < use) last.store(use, std::memory_order_relaxed);
         }
         return slot;
+    }
+    /// How much a frame that runs has counted the page in a slot; infinity if it has not looked it up, as nobody does
+    /// with a page that stays.
+    static float weight_of(std::uint32_t slot, const PageVisits& visits) {
+        const std::uint64_t use = visits.uses[slot].load(std::memory_order_relaxed);
+        return use >> 32 == visits.last_frame.load(std::memory_order_relaxed) ? std::bit_cast<float>(std::uint32_t(use))
+                                                                              : std::numeric_limits<float>::infinity();
     }
 
     // Called by one thread at a time.
@@ -130,8 +139,9 @@ class PageSlots {
     /// Gives back what take() gave.
     void give_back(std::uint32_t slot) { free_.push_back(slot); }
 
-    /// The page is in the slot from now on.
-    void publish(std::uint32_t page, std::uint32_t slot, float weight, bool stays) {
+    /// The page is in the slot from now on. It counts as if the last frame of whoever wanted it had found it: the next
+    /// one will, unless it does not look for it any more.
+    void publish(std::uint32_t page, std::uint32_t slot, float weight, bool stays, PageVisits* wanted_by = nullptr) {
         Slot& s = slots_[slot];
         Page& p = pages_[page];
         const std::uint32_t now = frames();
@@ -140,7 +150,11 @@ class PageSlots {
         ++resident_;
         s.page = page;
         s.held_until = stays ? std::numeric_limits<std::uint32_t>::max() : again ? now + frames_between_loads : 0;
-        s.last_use.store(std::uint64_t(now) << 32 | std::bit_cast<std::uint32_t>(weight), std::memory_order_relaxed);
+        s.loaded = use_of(now, weight);
+        if (wanted_by != nullptr) {
+            const std::uint64_t use = use_of(frame_that_counts(*wanted_by, nullptr), weight);
+            wanted_by->uses[slot].store(use, std::memory_order_relaxed);
+        }
         p.slot.store(slot, std::memory_order_seq_cst);
     }
 
@@ -162,14 +176,18 @@ class PageSlots {
         std::uint32_t evicted_in = 0;  ///< the frame
     };
     struct Slot {
-        std::atomic<std::uint64_t> last_use{0};  ///< frame << 32 | weight's bits, which are in order
-        std::uint32_t page = none;               ///< none: its page is being loaded
-        std::uint32_t held_until = 0;            ///< the frame before which it does not go
+        std::uint64_t loaded = 0;      ///< when, and how much it was wanted, as a use
+        std::uint32_t page = none;     ///< none: its page is being loaded
+        std::uint32_t held_until = 0;  ///< the frame before which it does not go
     };
     struct Retired {
         std::uint32_t slot;
         std::uint64_t epoch;  ///< frames that began in it or before may still use the slot
     };
+
+    static std::uint64_t use_of(std::uint32_t frame, float weight) {
+        return std::uint64_t(frame) << 32 | std::bit_cast<std::uint32_t>(weight);
+    }
 
     /// A slot that no frame can use any more. `own` began before, and has not used what was taken from it since: its
     /// pages count as used.
@@ -178,13 +196,14 @@ class PageSlots {
             const bool is_free = std::all_of(all.begin(), all.end(), [&](const PageVisits* v) {
                 const std::uint64_t epoch = v->epoch.load(std::memory_order_seq_cst);
                 if (epoch == 0 || epoch > retired_[i].epoch) return true;
-                return v == own && slots_[retired_[i].slot].last_use.load(std::memory_order_relaxed) >> 32 <
+                return v == own && own->uses[retired_[i].slot].load(std::memory_order_relaxed) >> 32 <
                                        own->last_frame.load(std::memory_order_relaxed);
             });
             if (!is_free) continue;
             const std::uint32_t slot = retired_[i].slot;
             retired_.erase(retired_.begin() + std::ptrdiff_t(i));
             slots_[slot].page = none;
+            for (PageVisits* v : all) v->uses[slot].store(0, std::memory_order_relaxed);
             return slot;
         }
         return none;
@@ -194,24 +213,27 @@ class PageSlots {
     /// frame that runs has not come to yet may still be wanted, so that until it ends the one before it counts: else
     /// whoever stands still would lose pages in every frame, and load them in the next. `own` takes what it needs.
     std::uint32_t choose_victim(float weight, const std::vector<PageVisits*>& all, const PageVisits* own) const {
-        const std::uint32_t now = frames();
-        std::uint32_t in_use = now;
-        for (const PageVisits* v : all) {
-            const std::uint32_t last = (v == own ? v->last_frame : v->last_ended).load(std::memory_order_relaxed);
-            if (last != 0 && now - last < frames_between_loads) in_use = std::min(in_use, last);
-        }
-        const std::uint64_t most = weight < 1
-                                       ? std::uint64_t(now > frames_until_stale ? now - frames_until_stale : 0) << 32
-                                       : std::uint64_t(in_use) << 32 | std::bit_cast<std::uint32_t>(weight * 0.5f);
+        const std::uint32_t now = frames(), in_use = now + 1;
+        const std::uint64_t most = weight < 1 ? use_of(now > frames_until_stale ? now - frames_until_stale : 0, 0)
+                                              : use_of(in_use, weight * 0.5f);
         std::uint32_t victim = none;
         std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
         for (std::uint32_t i = 0; i < slot_count_; ++i) {
             const Slot& s = slots_[i];
             if (s.page == none || pages_[s.page].slot.load(std::memory_order_relaxed) != i) continue;
             if (s.held_until > now) continue;
-            std::uint64_t use = s.last_use.load(std::memory_order_relaxed);
-            // Frames of several users that run now are one time.
-            if (use >> 32 >= in_use) use = std::uint64_t(in_use) << 32 | (use & 0xffffffffu);
+            // What several look at now counts as for the one to whom it counts most.
+            const auto as_of_now = [&](std::uint64_t use, bool is_in_use) {
+                return is_in_use ? std::uint64_t(in_use) << 32 | (use & 0xffffffffu) : use;
+            };
+            std::uint64_t use = 0;
+            for (const PageVisits* v : all) {
+                const std::uint64_t of_user = v->uses[i].load(std::memory_order_relaxed);
+                if (of_user == 0 || v->last_frame.load(std::memory_order_relaxed) == 0) continue;
+                use = std::max(
+                    use, as_of_now(of_user, is_active(*v, now, own) && of_user >> 32 >= frame_that_counts(*v, own)));
+            }
+            if (use == 0) use = s.loaded;
             // Of pages that were last used together a child's goes before its parent's, which comes before it in the
             // file.
             if (use < least || (use == least && s.page > slots_[victim].page)) {
@@ -220,6 +242,16 @@ class PageSlots {
             }
         }
         return least < most ? victim : none;
+    }
+    /// Which of a user's frames says what it uses: the last one that has ended.
+    static std::uint32_t frame_that_counts(const PageVisits& v, const PageVisits* own) {
+        const std::uint32_t ended = v.last_ended.load(std::memory_order_relaxed);
+        return &v == own || ended == 0 ? v.last_frame.load(std::memory_order_relaxed) : ended;
+    }
+    /// Whether it has drawn something lately.
+    static bool is_active(const PageVisits& v, std::uint32_t now, const PageVisits* own) {
+        const std::uint32_t last = frame_that_counts(v, own);
+        return last != 0 && now - last < frames_between_loads;
     }
 
     std::uint32_t page_count_;

@@ -1,4 +1,4 @@
-// Cuts a hierarchy in memory into pages: a file that paging/paged_hierarchy.hpp opens.
+// Cuts a hierarchy in memory into pages: a file that paging/open_pages.hpp opens.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "farfield/fail.hpp"
+#include "farfield/paging/check_pageable.hpp"
+#include "farfield/paging/page_file_head.hpp"
 #include "farfield/paging/page_forest.hpp"
 #include "farfield/paging/page_format.hpp"
 #include "farfield/storage/save.hpp"
@@ -43,7 +45,7 @@ void write_pages(const H& hierarchy, std::span<const P> primitives, const PageOp
     write(std::span<const std::byte>(page_file_head<H, P>(
         hierarchy.partition_policy(), hierarchy.approximation_policy(), hierarchy.cost_policy(), hierarchy.facts(),
         pages.root_of(0), pages.page_bytes(), pages.page_count(), pages.level_count())));
-    pages.write(0, hierarchy.fingerprint(), write);
+    pages.write(hierarchy.fingerprint(), write);
 }
 
 }  // namespace detail
@@ -62,6 +64,12 @@ template <Pageable H, PageablePrimitive P>
 void save_pages(const H& hierarchy, const std::vector<P>& primitives, const std::filesystem::path& path,
                 const PageOptions& options = {}) {
     save_pages(hierarchy, std::span<const P>(primitives), path, options);
+}
+
+/// Says why something cannot lie in pages.
+template <class H, class P>
+requires(!(Pageable<H> && PageablePrimitive<P>)) void save_pages(const H&, const auto&, const auto&...) {
+    static_assert(detail::check_pageable<H, P>());
 }
 
 /// The bytes of the same file, in memory.
