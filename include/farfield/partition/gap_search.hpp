@@ -62,16 +62,16 @@ class GapSearch {
         most_crossed_ = std::size_t(double(most_active_) * double(things.size()));
         bins_ = std::min(things.size(), most_bins);
         const float bins_per_unit = float(bins_) / (last - first);
-        if (things.size() <= few || !std::isfinite(bins_per_unit)) {
+        if (things.size() <= few) {
             take_all();
         } else {
-            take_bins(first, bins_per_unit);
+            take_bins(first, std::isfinite(bins_per_unit) ? bins_per_unit : 0);
         }
         return best_;
     }
 
   private:
-    static constexpr std::size_t few = 32, most_bins = 256, most_lists = 128, few_bounds = 256;
+    static constexpr std::size_t few = 64, most_bins = 256, most_lists = 128, few_bounds = 256;
     static constexpr float infinity = std::numeric_limits<float>::infinity();
 
     /// An end of a thing.
@@ -109,8 +109,9 @@ class GapSearch {
         std::uint32_t bin;
         State before;
     };
-    struct Lists {
-        std::vector<Bound> begins, ends;
+    /// Where a bin's bounds lie among those that are sorted.
+    struct List {
+        std::size_t begins, ends;
     };
 
     Bound begin_of(const Extent& e) const {
@@ -120,22 +121,44 @@ class GapSearch {
         return {e.upper, counts_as_one_ ? 1.0f : e.weight, e.blocks, e.lower == e.upper};
     }
 
+    /// Most cells of a tree hold few things, and to sort them by branches that nobody foresees would cost more than all
+    /// else.
     void take_all() {
-        Lists& l = lists_[0];
-        l.begins.clear();
-        l.ends.clear();
-        for (const Extent& e : things_) {
-            l.begins.push_back(begin_of(e));
-            l.ends.push_back(end_of(e));
+        const std::size_t n = things_.size();
+        std::array<Bound, few> begins{}, ends{};
+        std::array<float, few> begin_at{}, end_at{};
+        std::array<std::uint32_t, few> is_long{}, begin_rank{}, end_rank{};
+        for (std::size_t i = 0; i < n; ++i) {
+            begin_at[i] = things_[i].lower;
+            end_at[i] = things_[i].upper;
+            is_long[i] = things_[i].lower != things_[i].upper;
         }
-        scan(l, {}, infinity);
+        // The place of each is the number of those before it: no branch, and many at a time.
+        for (std::size_t j = 0; j < n; ++j) {
+            const float begin = begin_at[j], end = end_at[j];
+            const std::uint32_t is_long_too = is_long[j];
+            for (std::size_t i = 0; i < n; ++i) {
+                const std::uint32_t is_later = i > j;
+                begin_rank[i] +=
+                    std::uint32_t(begin < begin_at[i]) |
+                    (std::uint32_t(begin == begin_at[i]) &
+                     (std::uint32_t(is_long_too < is_long[i]) | (std::uint32_t(is_long_too == is_long[i]) & is_later)));
+                end_rank[i] += std::uint32_t(end < end_at[i]) | (std::uint32_t(end == end_at[i]) & is_later);
+            }
+        }
+        for (std::size_t i = 0; i < n; ++i) {
+            begins[begin_rank[i]] = begin_of(things_[i]);
+            ends[end_rank[i]] = end_of(things_[i]);
+        }
+        scan({begins.data(), n}, {ends.data(), n}, {}, infinity);
     }
 
     // --- many
 
     void take_bins(float first, float bins_per_unit) {
         const auto bin_of = [&](float at) {
-            return std::uint8_t(std::min(std::uint32_t((at - first) * bins_per_unit), std::uint32_t(bins_ - 1)));
+            const float bin = (at - first) * bins_per_unit;  // NaN beyond what single precision holds
+            return std::uint8_t(bin > 0 ? std::min(bin, float(bins_ - 1)) : 0.0f);
         };
         bin_.assign(bins_, Bin{});
         places_.resize(things_.size());
@@ -160,14 +183,24 @@ class GapSearch {
             if (least < infinity) promises_.push_back({least, std::uint32_t(i), before});
         }
         const std::size_t lists = choose_bins();
-        for (std::size_t i = 0; i < things_.size() && lists != 0; ++i) {
+        if (lists == 0) return;
+        std::array<List, most_lists + 1> next = lists_;
+        for (std::size_t i = 0; i < things_.size(); ++i) {
             const std::uint8_t begin = list_[places_[i][0]], end = list_[places_[i][1]];
-            if (begin != 0) lists_[begin - 1u].begins.push_back(begin_of(things_[i]));
-            if (end != 0) lists_[end - 1u].ends.push_back(end_of(things_[i]));
+            if (begin != 0) begins_[next[begin - 1u].begins++] = begin_of(things_[i]);
+            if (end != 0) ends_[next[end - 1u].ends++] = end_of(things_[i]);
         }
         for (std::size_t l = 0; l < lists; ++l) {
             const Promise& p = promises_[l];
-            if (p.least_price < best_.price) scan(lists_[l], p.before, next_begin(p.bin + 1));
+            if (!(p.least_price < best_.price)) continue;
+            const List &from = lists_[l], &to = lists_[l + 1];
+            const auto begins = std::span(begins_).subspan(from.begins, to.begins - from.begins),
+                       ends = std::span(ends_).subspan(from.ends, to.ends - from.ends);
+            std::sort(begins.begin(), begins.end(), [](const Bound& a, const Bound& b) {
+                return a.at != b.at ? a.at < b.at : a.is_flat && !b.is_flat;
+            });
+            std::sort(ends.begin(), ends.end(), [](const Bound& a, const Bound& b) { return a.at < b.at; });
+            scan(begins, ends, p.before, next_begin(p.bin + 1));
         }
     }
 
@@ -186,16 +219,19 @@ class GapSearch {
             return a.least_price != b.least_price ? a.least_price < b.least_price : a.bin < b.bin;
         });
         list_.fill(0);
-        std::size_t lists = 0, bounds = 0;
+        lists_[0] = {};
+        std::size_t lists = 0;
         for (const Promise& p : promises_) {
-            if (lists == most_lists || (lists != 0 && bounds > std::max(things_.size() / 4, few_bounds))) break;
-            bounds += bin_[p.bin].begun.things + bin_[p.bin].ended.things;
+            const List& list = lists_[lists];
+            if (lists == most_lists ||
+                (lists != 0 && list.begins + list.ends > std::max(things_.size() / 4, few_bounds)))
+                break;
+            const Bin& bin = bin_[p.bin];
             list_[p.bin] = std::uint8_t(++lists);
+            lists_[lists] = {list.begins + bin.begun.things, list.ends + bin.ended.things};
         }
-        for (std::size_t l = 0; l < lists; ++l) {
-            lists_[l].begins.clear();
-            lists_[l].ends.clear();
-        }
+        begins_.resize(lists_[lists].begins);
+        ends_.resize(lists_[lists].ends);
         return lists;
     }
 
@@ -212,11 +248,7 @@ class GapSearch {
     /// Goes through sorted bounds from what came before them; `next` is where something begins after them. At one place
     /// things without extent come first, whole, then all that end there, then all that begin: to touch is not to
     /// overlap.
-    void scan(Lists& lists, State state, float next) {
-        std::vector<Bound>&begins = lists.begins, &ends = lists.ends;
-        std::sort(begins.begin(), begins.end(),
-                  [](const Bound& a, const Bound& b) { return a.at != b.at ? a.at < b.at : a.is_flat && !b.is_flat; });
-        std::sort(ends.begin(), ends.end(), [](const Bound& a, const Bound& b) { return a.at < b.at; });
+    void scan(std::span<const Bound> begins, std::span<const Bound> ends, State state, float next) {
         std::size_t b = 0;
         for (std::size_t e = 0; e < ends.size();) {
             const float end = ends[e].at;
@@ -260,7 +292,8 @@ class GapSearch {
     std::vector<std::array<std::uint8_t, 2>> places_{};  ///< bins of each thing's ends
     std::vector<Promise> promises_{};                    ///< best first
     std::array<std::uint8_t, most_bins> list_{};         ///< of a bin: 1 and more where its bounds are sorted
-    std::array<Lists, most_lists> lists_{};
+    std::array<List, most_lists + 1> lists_;             ///< where each begins, and the last one ends
+    std::vector<Bound> begins_{}, ends_{};               ///< of these lists
 };
 
 }  // namespace farfield::detail
