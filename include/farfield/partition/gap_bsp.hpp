@@ -18,6 +18,7 @@
 
 #include "farfield/partition.hpp"
 #include "farfield/partition/child_boxes.hpp"
+#include "farfield/partition/extent.hpp"
 #include "farfield/partition/gap_planes.hpp"
 #include "farfield/partition/gap_search.hpp"
 #include "farfield/partition/plane_sides.hpp"

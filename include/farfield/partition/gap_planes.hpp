@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "farfield/partition.hpp"
+#include "farfield/partition/extent.hpp"
 #include "farfield/partition/gap_search.hpp"
 #include "farfield/partition/plane_sides.hpp"
 

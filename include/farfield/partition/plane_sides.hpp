@@ -11,7 +11,7 @@
 
 #include "farfield/geometry/length.hpp"
 #include "farfield/partition.hpp"
-#include "farfield/partition/gap_search.hpp"
+#include "farfield/partition/extent.hpp"
 
 namespace farfield::detail {
 
