@@ -616,7 +616,7 @@ int main(int argc, char** argv) {
         } else if (option == "--only") {
             only = i + 1 < argc ? argv[++i] : "";
         } else if (option == "--slices") {
-            images.slices = number_after();
+            images.slices = over_far.slices = number_after();
         } else if (option == "--items") {
             images.least_items = std::uint32_t(std::max(1, number_after()));
         } else if (option == "--ground") {

@@ -76,32 +76,6 @@ class FailingRenderer {
     ZBufferRenderer inner_;
 };
 
-/// As a ZBufferRenderer that is given one slice after the other, and that runs out of memory after so many images.
-class ThrowingRenderer : public ZBufferRenderer {
-  public:
-    static constexpr RendererFacts facts = [] {
-        RendererFacts f = ZBufferRenderer::facts;
-        f.slices_images = false;
-        return f;
-    }();
-    using ZBufferRenderer::ZBufferRenderer;
-    void begin_image(const LocalView& view, float depth, int samples) {
-        ZBufferRenderer::begin_image(view, depth, samples);
-    }
-    std::uint32_t end_image() {
-        if (left_to_make == 0) throw std::bad_alloc();
-        --left_to_make;
-        ++kept;
-        return ZBufferRenderer::end_image();
-    }
-    void free_image(std::uint32_t image) {
-        --kept;
-        ZBufferRenderer::free_image(image);
-    }
-
-    int left_to_make = 0, kept = 0;
-};
-
 }  // namespace
 
 TEST_CASE("a hierarchy that caches images wants a renderer that keeps them", "[image_cache]") {
@@ -337,7 +311,7 @@ TEST_CASE("a known path makes images that serve along it", "[image_cache]") {
 }
 
 TEST_CASE("whatever throws while an image is made, no slice of it stays", "[image_cache]") {
-    ThrowingRenderer renderer{ZBufferOptions{}};
+    CountedImages renderer{ZBufferOptions{}};
     std::vector<glm::dvec3> path;  // sideways, so that slices pay
     for (int i = 1; i < 60; ++i) path.push_back({0.3 * i, 0, 0});
     {
@@ -346,21 +320,21 @@ TEST_CASE("whatever throws while an image is made, no slice of it stays", "[imag
         auto viewer = make_viewer(hierarchy, balls(), renderer);
         for (const int before : {0, 1, 2, 3, 7}) {
             viewer.forget_images();
-            REQUIRE(renderer.kept == 0);
+            REQUIRE(renderer.alive == 0);
             renderer.left_to_make = before;
             viewer.expect(path);
             CHECK_THROWS_AS(viewer.frame(seen_from({0, 0, 0})), std::bad_alloc);
-            CHECK(renderer.kept <= before);  // those of images that were finished
+            CHECK(renderer.alive <= before);  // those of images that were finished
             viewer.forget_images();
-            CHECK(renderer.kept == 0);
+            CHECK(renderer.alive == 0);
             renderer.left_to_make = 1'000'000;
             viewer.expect(path);
             const FrameStats stats = viewer.frame(seen_from({0, 0, 0}));
             CHECK(stats.images_made > 0);
-            CHECK(renderer.kept > int(stats.images_made));  // there are slices
+            CHECK(renderer.alive > int(stats.images_made));  // there are slices
         }
     }
-    CHECK(renderer.kept == 0);
+    CHECK(renderer.alive == 0);
 }
 
 TEST_CASE("where a renderer stops making images, the rest is geometry", "[image_cache]") {
@@ -400,17 +374,7 @@ TEST_CASE("little opens between cells and depth slices of a surface that goes th
         const View view = seen_from({0.05 * f, 0.02 * f, 0}, {0, -2, -35});
         images += viewer.frame(view).images;
         plain_viewer.frame(view);
-        int lost = 0;
-        for (int y = 1; y + 1 < view.height; ++y) {
-            for (int x = 1; x + 1 < view.width; ++x) {
-                bool is_inside = true;
-                for (const int d : {-1, 0, 1})
-                    is_inside = is_inside && plain_renderer.image().at(x + d, y).a != 0 &&
-                                plain_renderer.image().at(x, y + d).a != 0;
-                lost += is_inside && renderer.image().at(x, y).a == 0 ? 1 : 0;
-            }
-        }
-        most = std::max(most, lost);
+        most = std::max(most, covered_pixels(plain_renderer.image(), renderer.image()).lost);
     }
     CHECK(images > 30);
     CHECK(most <= 160);
@@ -419,12 +383,12 @@ TEST_CASE("little opens between cells and depth slices of a surface that goes th
 TEST_CASE("a watertight wall shows its background no more than the threshold lets it", "[image_cache]") {
     // Split into cells with an image each, which move against one another by twice the threshold at most; the cells
     // are flat, so that it is far less.
-    const Triangles wall = sheet({-12, -9, -30}, {24, 0, 0}, {0, 18, -6}, 96, 96, {200, 180, 40, 255});
+    const Triangles surface = wall();
     const auto lost_at = [&](float threshold) {
         const CachedImages cached =
-            build<CachedImages>(wall, {.approximation = with({.threshold_px = threshold, .least_items = 256})});
+            build<CachedImages>(surface, {.approximation = with({.threshold_px = threshold, .least_items = 256})});
         ZBufferRenderer renderer;
-        auto viewer = make_viewer(cached, wall, renderer);
+        auto viewer = make_viewer(cached, surface, renderer);
         int lost = 0;
         for (int f = 0; f < 30; ++f) {
             const View view = seen_from({0.1 * f, 0.03 * f, 0}, {0, 0, -33});

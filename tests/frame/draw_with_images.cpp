@@ -30,11 +30,7 @@ namespace {
 /// show what those below show. In every frame it compares, for each image drawn, with where they are.
 class Meter : public ZBufferRenderer {
   public:
-    static constexpr RendererFacts facts = [] {
-        RendererFacts f = ZBufferRenderer::facts;
-        f.slices_images = false;
-        return f;
-    }();
+    static constexpr RendererFacts facts = slice_by_slice;
     using ZBufferRenderer::ZBufferRenderer;
 
     void begin_frame(const LocalView& view) {

@@ -23,7 +23,7 @@ namespace {
 /// Pixels of a walk along a surface where something is to be seen, and of these where nothing is, although exact
 /// geometry is there and all around.
 struct Lost {
-    int pixels = 0, lost = 0, most = 0;
+    int pixels = 0, lost = 0;
     std::uint64_t images = 0;
 };
 
@@ -43,25 +43,11 @@ Lost walk_along(const Triangles& surface, const Partition& partition, float thre
                                   : seen_from({0.1 * f, 4, -0.05 * f}, {0.1 * f, 0, -30});
         lost.images += viewer.frame(view).images;
         plain_viewer.frame(view);
-        int in_frame = 0;
-        for (int y = 1; y + 1 < view.height; ++y) {
-            for (int x = 1; x + 1 < view.width; ++x) {
-                const Image& exact = plain_renderer.image();
-                const bool is_inside = exact.at(x, y).a != 0 && exact.at(x - 1, y).a != 0 &&
-                                       exact.at(x + 1, y).a != 0 && exact.at(x, y - 1).a != 0 &&
-                                       exact.at(x, y + 1).a != 0;
-                lost.pixels += is_inside;
-                in_frame += is_inside && renderer.image().at(x, y).a == 0;
-            }
-        }
-        lost.lost += in_frame;
-        lost.most = std::max(lost.most, in_frame);
+        const CoveredPixels pixels = covered_pixels(plain_renderer.image(), renderer.image());
+        lost.pixels += pixels.all;
+        lost.lost += pixels.lost;
     }
     return lost;
-}
-
-Triangles wall() {
-    return sheet({-12, -9, -30}, {24, 0, 0}, {0, 18, -6}, 96, 96, {200, 180, 40, 255});
 }
 
 Triangles terrain() {
@@ -71,26 +57,6 @@ Triangles terrain() {
     }
     return ground;
 }
-
-/// Counts images that there are.
-class CountedImages : public ZBufferRenderer {
-  public:
-    static constexpr RendererFacts facts = [] {
-        RendererFacts f = ZBufferRenderer::facts;
-        f.slices_images = false;
-        return f;
-    }();
-    using ZBufferRenderer::ZBufferRenderer;
-    std::uint32_t end_image() {
-        ++alive;
-        return ZBufferRenderer::end_image();
-    }
-    void free_image(std::uint32_t image) {
-        --alive;
-        ZBufferRenderer::free_image(image);
-    }
-    int alive = 0;
-};
 
 /// Outside of the picture, so that what is in the picture is a cell below the root.
 void add_something_aside(Triangles& all) {

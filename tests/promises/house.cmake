@@ -12,7 +12,7 @@ function(may_include room)
   set(rooms ${rooms} "${room}" PARENT_SCOPE)
 endfunction()
 
-set(contracts approximation.hpp camera.hpp camera_from_matrices.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp missing_hooks.hpp partition.hpp
+set(contracts approximation.hpp camera.hpp camera_from_matrices.hpp composition.hpp cost_model.hpp drawables.hpp executor.hpp image.hpp image_cache_options.hpp missing_hooks.hpp partition.hpp
               primitive.hpp primitive_source.hpp renderer.hpp sampler.hpp view view.hpp wanted_error.hpp)
 set(hierarchy hierarchy spatial_hierarchy.hpp ${contracts})
 set(frame frame ${hierarchy})
@@ -73,7 +73,7 @@ tested_by(build build/build_progress)
 tested_by(approximation/color_cube/cube_lanes approximation/placed/placed_splats)
 tested_by(frame/kept_images frame/cell_image)
 tested_by(frame/image_maker frame/image_choice)
-tested_by(approximation/image_cache frame/image_chooser raster/samples/kept_image raster/samples/image_fill
+tested_by(approximation/image_cache image_cache_options frame/image_chooser raster/samples/kept_image raster/samples/image_fill
           raster/samples/sliced_buffers)
 tested_by(build/cell_splitter build/build_node build/cell_decision build/small_subtrees)
 tested_by(build/move_up build/sample_race)
@@ -96,6 +96,7 @@ tested_by(hierarchy/fingerprint geometry/mixed)
 tested_by(measure/flip measure/flip_colors measure/flip_filters)
 tested_by(merged_viewer merged_viewer/body_walker)
 tested_by(partition/polygon_bsp partition/child_boxes)
+tested_by(partition/gap_bsp partition/extent partition/gap_planes partition/plane_sides)
 tested_by(pick geometry/ray view/pixel_ray)
 tested_by(paging/paged_approximations)
 tested_by(paging/page_cache paging/page_attempts paging/page_cache_options paging/page_demand paging/page_room paging/page_user

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
+#include <new>
 
 #include "catch.hpp"
 #include "farfield/approximation/exact.hpp"
@@ -51,6 +53,11 @@ inline const Triangles& balls() {
     return all;
 }
 
+/// A rectangle without holes, at a slant.
+inline Triangles wall() {
+    return sheet({-12, -9, -30}, {24, 0, 0}, {0, 18, -6}, 96, 96, {200, 180, 40, 255});
+}
+
 inline View seen_from(glm::dvec3 eye, glm::dvec3 target = {0, 0, -50}) {
     View view;
     view.width = 160;
@@ -69,6 +76,53 @@ inline double difference(const Image& a, const Image& b) {
     }
     return std::sqrt(sum / (4 * double(a.pixels().size())));
 }
+
+/// Pixels that something covers, and all four around, and how many of these another picture shows nothing in.
+struct CoveredPixels {
+    int all = 0, lost = 0;
+};
+inline CoveredPixels covered_pixels(const Image& covered, const Image& shown) {
+    CoveredPixels pixels;
+    const auto is_covered = [&](int x, int y) { return covered.at(x, y).a != 0; };
+    for (int y = 1; y + 1 < covered.height(); ++y) {
+        for (int x = 1; x + 1 < covered.width(); ++x) {
+            if (!(is_covered(x, y) && is_covered(x - 1, y) && is_covered(x + 1, y) && is_covered(x, y - 1) &&
+                  is_covered(x, y + 1)))
+                continue;
+            ++pixels.all;
+            pixels.lost += shown.at(x, y).a == 0;
+        }
+    }
+    return pixels;
+}
+
+/// A ZBufferRenderer that is given one slice of an image after the other.
+inline constexpr RendererFacts slice_by_slice = [] {
+    RendererFacts facts = ZBufferRenderer::facts;
+    facts.slices_images = false;
+    return facts;
+}();
+
+/// Counts images that there are, and may run out of memory for more.
+class CountedImages : public ZBufferRenderer {
+  public:
+    static constexpr RendererFacts facts = slice_by_slice;
+    using ZBufferRenderer::ZBufferRenderer;
+    void begin_image(const LocalView& view, float depth, int samples) {
+        ZBufferRenderer::begin_image(view, depth, samples);
+    }
+    std::uint32_t end_image() {
+        if (left_to_make == 0) throw std::bad_alloc();
+        --left_to_make;
+        ++alive;
+        return ZBufferRenderer::end_image();
+    }
+    void free_image(std::uint32_t image) {
+        --alive;
+        ZBufferRenderer::free_image(image);
+    }
+    int left_to_make = std::numeric_limits<int>::max(), alive = 0;
+};
 
 template <class R = ZBufferRenderer>
 struct Walk {

@@ -8,6 +8,7 @@
 #include "farfield/settings.hpp"
 
 #include "farfield/approximation.hpp"
+#include "farfield/image_cache_options.hpp"
 
 namespace farfield {
 

@@ -16,10 +16,10 @@
 #include <limits>
 #include <optional>
 
-#include "farfield/approximation.hpp"
 #include "farfield/drawables.hpp"
 #include "farfield/frame/safety_zone.hpp"
 #include "farfield/geometry/length.hpp"
+#include "farfield/image_cache_options.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield::detail {

@@ -13,7 +13,6 @@
 #include <limits>
 #include <span>
 
-#include "farfield/approximation.hpp"
 #include "farfield/drawables.hpp"
 #include "farfield/frame/descent.hpp"
 #include "farfield/frame/draw_now.hpp"
@@ -22,6 +21,7 @@
 #include "farfield/frame/safety_zone.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/length.hpp"
+#include "farfield/image_cache_options.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield::detail {

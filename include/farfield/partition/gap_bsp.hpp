@@ -16,10 +16,12 @@
 #include <span>
 #include <vector>
 
-#include "farfield/geometry/length.hpp"
 #include "farfield/partition.hpp"
 #include "farfield/partition/child_boxes.hpp"
+#include "farfield/partition/extent.hpp"
+#include "farfield/partition/gap_planes.hpp"
 #include "farfield/partition/gap_search.hpp"
+#include "farfield/partition/plane_sides.hpp"
 
 namespace farfield {
 
@@ -98,7 +100,7 @@ struct BasicGapBsp {
         for (const glm::vec3& d : directions) {
             if (!std::isfinite(d.x) || !std::isfinite(d.y) || !std::isfinite(d.z))
                 return "GapBsp: a direction is not finite";
-            if (is_shared && d != glm::vec3(0) && axis_of(unit(d)) < 0)
+            if (is_shared && d != glm::vec3(0) && detail::axis_of(detail::unit_direction(d)) < 0)
                 return "GapBsp: where primitives are shared, directions must lie along the axes";
             some = some || d != glm::vec3(0);
         }
@@ -118,9 +120,10 @@ struct BasicGapBsp {
         if (cell.depth >= max_depth) return Split::too_deep;
         const Box region = cell.box();
         const auto extents = [&](glm::vec3 normal, std::vector<detail::Extent>& out) {
-            const detail::Extent whole = extent_of(region, normal, cell);
+            const detail::HeightsInCell heights(normal, cell);
+            const detail::Extent whole = heights.of(region);
             for (const Item& item : items) {
-                detail::Extent e = extent_of(item.bounds, normal, cell);
+                detail::Extent e = heights.of(item.bounds);
                 if constexpr (is_shared) {
                     // Of what sticks out only the part inside counts, and what lies outside does not at all.
                     if (e.upper <= whole.lower || e.lower >= whole.upper) continue;
@@ -134,14 +137,15 @@ struct BasicGapBsp {
         const auto any = [](const CuttingPlane&) { return true; };
         if (!find_plane(cell, items.size(), extents, any, data.plane)) return Split::inseparable;
         std::array<Box, 2> boxes{Box::empty(), Box::empty()};
+        [[maybe_unused]] const detail::SidesOfPlane sides(cell, data.plane);
         for (const Item& item : items) {
             if constexpr (is_shared) {
                 for (const unsigned side : {behind, in_front}) {
-                    const Box half = half_of(region, cell, data.plane, side);
+                    const Box half = detail::half_of(region, cell, data.plane, side == behind);
                     if (!half.intersects(item.bounds)) continue;
                     boxes[side].add({glm::max(half.lower, item.bounds.lower), glm::min(half.upper, item.bounds.upper)});
                 }
-            } else if (const int side = side_of(cell, data.plane, item.bounds); side >= 0) {
+            } else if (const int side = sides.side_of(item.bounds); side >= 0) {
                 boxes[std::size_t(side)].add(item.bounds);
             }
         }
@@ -168,10 +172,10 @@ struct BasicGapBsp {
             if (inflation > 0 && !nearer.box().intersects(item.bounds)) {
                 give.drop();
             } else {
-                const detail::Extent e = extent_of(item.bounds, data.plane.normal, cell);
+                const detail::Extent e = detail::HeightsInCell(data.plane.normal, cell).of(item.bounds);
                 give(e.lower + e.upper < 2 * data.plane.offset ? behind : in_front);
             }
-        } else if (const int side = side_of(cell, data.plane, item.bounds); side >= 0) {
+        } else if (const int side = detail::SidesOfPlane(cell, data.plane).side_of(item.bounds); side >= 0) {
             give(unsigned(side));
         } else {
             give.keep();
@@ -182,8 +186,9 @@ struct BasicGapBsp {
         if (items.size() < 2) return Split::no;
         if (cell.depth >= max_depth) return Split::too_deep;
         const auto extents = [&](glm::vec3 normal, std::vector<detail::Extent>& out) {
+            const detail::HeightsInCell heights(normal, cell);
             for (std::size_t i = 0; i < items.size(); ++i) {
-                detail::Extent e = extent_of(items[i].bounds, normal, cell);
+                detail::Extent e = heights.of(items[i].bounds);
                 e.blocks = items[i].corners == 0;
                 e.weight = e.blocks ? items[i].cost : items[i].cost * float(items[i].corners - 2);
                 out.push_back(e);
@@ -211,7 +216,7 @@ struct BasicGapBsp {
             own.lower[axis] = data.boxes.lower_of(box, i, axis);
             own.upper[axis] = data.boxes.upper_of(box, i, axis);
         }
-        if constexpr (is_shared) own = half_of(own, parent, data.plane, i);
+        if constexpr (is_shared) own = detail::half_of(own, parent, data.plane, i == behind);
         for (int axis = 0; axis < 3; ++axis) detail::put_around(own.lower[axis], own.upper[axis], axis, cell);
         cell.depth = std::uint16_t(parent.depth + 1);
         return inflated(cell);
@@ -237,57 +242,6 @@ struct BasicGapBsp {
     }
 
   private:
-    static constexpr float good_price = 1.05f;
-
-    /// Of length 1 or zero; exact along an axis, where touching boxes must touch.
-    static glm::vec3 unit(glm::vec3 d) {
-        for (int axis = 0; axis < 3; ++axis) {
-            glm::vec3 along(0);
-            along[axis] = d[axis];
-            if (along != d) continue;
-            along[axis] = d[axis] > 0 ? 1.0f : d[axis] < 0 ? -1.0f : 0.0f;
-            return along;
-        }
-        return direction_of(d);
-    }
-
-    static int axis_of(glm::vec3 normal) {
-        for (int axis = 0; axis < 3; ++axis) {
-            if (std::abs(normal[axis]) == 1) return axis;
-        }
-        return -1;
-    }
-
-    /// Heights above the cell's center: along an axis just what the box says, so that neighbors which touch do so here.
-    static detail::Extent extent_of(const Box& box, glm::vec3 normal, const Cell& cell) {
-        const glm::vec3 a = (box.lower - cell.center) * normal, b = (box.upper - cell.center) * normal;
-        const glm::vec3 least = glm::min(a, b), most = glm::max(a, b);
-        return {least.x + least.y + least.z, most.x + most.y + most.z, 0, false};
-    }
-
-    /// The side that a thing stored once goes to, or -1 where it is too long for either.
-    static int side_of(const Cell& cell, const CuttingPlane& plane, const Box& box) {
-        const detail::Extent e = extent_of(box, plane.normal, cell);
-        if (e.upper <= plane.offset) return behind;
-        if (e.lower >= plane.offset) return in_front;
-        if (e.upper - e.lower > glm::dot(glm::abs(plane.normal), cell.half)) return -1;
-        return e.lower + e.upper < 2 * plane.offset ? behind : in_front;
-    }
-
-    /// The part of a box on one side of a plane across an axis.
-    static Box half_of(Box box, const Cell& cell, const CuttingPlane& plane, unsigned side) {
-        const int axis = axis_of(plane.normal);
-        if (axis < 0) return box;
-        const float at = cell.center[axis] + plane.offset * plane.normal[axis];
-        const bool is_below = (side == behind) == (plane.normal[axis] > 0);
-        if (is_below) {
-            box.upper[axis] = std::min(box.upper[axis], at);
-        } else {
-            box.lower[axis] = std::max(box.lower[axis], at);
-        }
-        return box;
-    }
-
     Cell inflated(Cell cell) const {
         if constexpr (is_shared) cell.bounds_half = cell.half * (1 + inflation);
         return cell;
@@ -306,61 +260,12 @@ struct BasicGapBsp {
         return some_behind && some_in_front;
     }
 
-    /// extents(normal, out) appends what the items take up along a normal. False if no plane tells any apart.
     template <class Extents, class IsGood>
     bool find_plane(const Cell& cell, std::size_t count, Extents&& extents, IsGood&& is_good,
                     CuttingPlane& plane) const {
-        struct Choice {
-            CuttingPlane plane;
-            detail::Gap gap;
-        };
         // What is stored once may cross any number of planes; copies and pieces must not multiply.
         detail::GapSearch search(price_of_split, assigned == Assignment::unique ? 1.0f : 0.25f);
-        std::vector<detail::Extent> along;
-        along.reserve(count);
-        std::array<Choice, most_directions + 3> choices;
-        std::size_t size = 0;
-        bool has_gap = false;
-        float price = std::numeric_limits<float>::infinity();
-        const auto look_along = [&](glm::vec3 direction) {
-            if (direction == glm::vec3(0)) return;
-            along.clear();
-            extents(direction, along);
-            const detail::Gap gap = search.best(along);
-            if (gap.is_found()) choices[size++] = {{direction, gap.at}, gap};
-            has_gap = has_gap || (gap.is_found() && 2 * gap.active <= along.size());
-            price = std::min(price, gap.price);
-        };
-        std::array<glm::vec3, most_directions> by_length;
-        for (std::size_t i = 0; i < most_directions; ++i) by_length[i] = unit(directions[i]);
-        const auto length = [&](glm::vec3 normal) { return glm::dot(glm::abs(normal), cell.half); };
-        std::stable_sort(by_length.begin(), by_length.end(),
-                         [&](glm::vec3 a, glm::vec3 b) { return length(a) > length(b); });
-        const float longest_axis = std::max(cell.half.x, std::max(cell.half.y, cell.half.z));
-        const bool is_long = longest_axis > 2 * length(by_length[0]);
-        for (const glm::vec3& d : by_length) {
-            // The least price of all is 1: a shorter direction has next to nothing to gain on such a gap.
-            if (price <= good_price && !is_long) break;
-            look_along(d);
-        }
-        if (!has_gap || is_long) {
-            for (int axis = 0; axis < 3; ++axis) look_along(glm::vec3(axis == 0, axis == 1, axis == 2));
-        }
-        float longest = 0;
-        for (std::size_t i = 0; i < size; ++i) longest = std::max(longest, choices[i].gap.length);
-        // A direction half as long as the longest must have a gap at half the price.
-        for (std::size_t i = 0; i < size; ++i) choices[i].gap.price *= longest / choices[i].gap.length;
-        const auto end = choices.begin() + std::ptrdiff_t(size);
-        for (std::size_t tried = 0; tried < size; ++tried) {
-            Choice& best = *std::min_element(
-                choices.begin(), end, [](const Choice& a, const Choice& b) { return a.gap.price < b.gap.price; });
-            if (is_good(best.plane)) {
-                plane = best.plane;
-                return true;
-            }
-            best.gap.price = std::numeric_limits<float>::infinity();
-        }
-        return false;
+        return detail::best_gap_plane(cell, directions, search, count, extents, is_good, plane);
     }
 };
 

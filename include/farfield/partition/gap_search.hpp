@@ -13,14 +13,9 @@
 #include <utility>
 #include <vector>
 
-namespace farfield::detail {
+#include "farfield/partition/extent.hpp"
 
-/// What a thing takes up along a line.
-struct Extent {
-    float lower = 0, upper = 0;
-    float weight = 0;     ///< its share in the balance
-    bool blocks = false;  ///< no plane may cross it
-};
+namespace farfield::detail {
 
 /// A place for a plane. What ends at `at` or before lies behind it, what begins there or after lies in front.
 struct Gap {
@@ -60,45 +55,26 @@ class GapSearch {
         counts_as_one_ = !(weight > 0);
         per_weight_ = 1 / (counts_as_one_ ? double(things.size()) : weight);
         most_crossed_ = std::size_t(double(most_active_) * double(things.size()));
-        bins_ = std::min(things.size(), most_bins);
+        // Enough that few things begin or end in one, and not so many that clearing them costs more than things do.
+        bins_ = std::min(std::max(std::min<std::size_t>(things.size(), 256), things.size() / 32), most_bins);
         const float bins_per_unit = float(bins_) / (last - first);
-        if (things.size() <= few || !std::isfinite(bins_per_unit)) {
+        if (things.size() <= few) {
             take_all();
         } else {
-            take_bins(first, bins_per_unit);
+            take_bins(first, std::isfinite(bins_per_unit) ? bins_per_unit : 0);
         }
         return best_;
     }
 
   private:
-    static constexpr std::size_t few = 32, most_bins = 256, most_lists = 128, few_bounds = 256;
+    static constexpr std::size_t few = 64, most_bins = 1024, most_lists = 128, few_bounds = 256;
     static constexpr float infinity = std::numeric_limits<float>::infinity();
 
-    /// An end of a thing.
-    struct Bound {
-        float at, weight;
-        bool blocks, is_flat;
-    };
-    /// Things that began or ended so far.
-    struct Counts {
-        double weight = 0;
-        std::uint32_t things = 0, blocking = 0;
-
-        void add(const Bound& b) {
-            weight += double(b.weight);
-            ++things;
-            blocking += b.blocks;
-        }
-        void add(const Counts& c) {
-            weight += c.weight;
-            things += c.things;
-            blocking += c.blocking;
-        }
-    };
+    using Bound = EndOfExtent;
+    using Counts = CountedEnds;
     struct State {
         Counts begun, ended;
     };
-    /// Small, so that all of them stay in the nearest cache.
     struct Bin {
         Counts begun{}, ended{};
         float first_begin = infinity, first_end = infinity;
@@ -109,33 +85,53 @@ class GapSearch {
         std::uint32_t bin;
         State before;
     };
-    struct Lists {
-        std::vector<Bound> begins, ends;
+    /// Where a bin's bounds lie among those that are sorted.
+    struct List {
+        std::size_t begins, ends;
     };
 
-    Bound begin_of(const Extent& e) const {
-        return {e.lower, counts_as_one_ ? 1.0f : e.weight, e.blocks, e.lower == e.upper};
+    Bound bound_of(const Extent& e, float at) const {
+        return {at, counts_as_one_ ? 1.0f : e.weight, e.blocks, e.lower == e.upper};
     }
-    Bound end_of(const Extent& e) const {
-        return {e.upper, counts_as_one_ ? 1.0f : e.weight, e.blocks, e.lower == e.upper};
-    }
+    Bound begin_of(const Extent& e) const { return bound_of(e, e.lower); }
+    Bound end_of(const Extent& e) const { return bound_of(e, e.upper); }
 
+    /// Most cells of a tree hold few things, and to sort them by branches that nobody foresees would cost more than all
+    /// else: the place of each is the number of those before it.
     void take_all() {
-        Lists& l = lists_[0];
-        l.begins.clear();
-        l.ends.clear();
-        for (const Extent& e : things_) {
-            l.begins.push_back(begin_of(e));
-            l.ends.push_back(end_of(e));
+        const std::size_t n = things_.size();
+        std::array<Bound, few> begins{}, ends{};
+        std::array<float, few> begin_at{}, end_at{};
+        std::array<std::uint32_t, few> begin_place{}, end_place{};
+        for (std::size_t i = 0; i < n; ++i) {
+            begin_at[i] = things_[i].lower;
+            end_at[i] = things_[i].upper;
         }
-        scan(l, {}, infinity);
+        for (std::size_t j = 0; j < n; ++j) {
+            const float begin = begin_at[j], end = end_at[j];
+            for (std::size_t i = 0; i < j; ++i) begin_place[i] += begin < begin_at[i];
+            for (std::size_t i = j + 1; i < n; ++i) begin_place[i] += begin <= begin_at[i];
+            for (std::size_t i = 0; i < j; ++i) end_place[i] += end < end_at[i];
+            for (std::size_t i = j + 1; i < n; ++i) end_place[i] += end <= end_at[i];
+        }
+        for (std::size_t i = 0; i < n; ++i) {
+            begins[begin_place[i]] = begin_of(things_[i]);
+            ends[end_place[i]] = end_of(things_[i]);
+        }
+        for (std::size_t i = 1; i < n; ++i) {
+            for (std::size_t j = i; j > 0 && is_before(begins[j], begins[j - 1]); --j) {
+                std::swap(begins[j], begins[j - 1]);
+            }
+        }
+        scan({begins.data(), n}, {ends.data(), n}, {}, infinity);
     }
 
     // --- many
 
     void take_bins(float first, float bins_per_unit) {
         const auto bin_of = [&](float at) {
-            return std::uint8_t(std::min(std::uint32_t((at - first) * bins_per_unit), std::uint32_t(bins_ - 1)));
+            const float bin = (at - first) * bins_per_unit;  // NaN beyond what single precision holds
+            return std::uint16_t(bin > 0 ? std::min(bin, float(bins_ - 1)) : 0.0f);
         };
         bin_.assign(bins_, Bin{});
         places_.resize(things_.size());
@@ -159,15 +155,18 @@ class GapSearch {
             const float least = least_price(before, state);
             if (least < infinity) promises_.push_back({least, std::uint32_t(i), before});
         }
-        const std::size_t lists = choose_bins();
-        for (std::size_t i = 0; i < things_.size() && lists != 0; ++i) {
-            const std::uint8_t begin = list_[places_[i][0]], end = list_[places_[i][1]];
-            if (begin != 0) lists_[begin - 1u].begins.push_back(begin_of(things_[i]));
-            if (end != 0) lists_[end - 1u].ends.push_back(end_of(things_[i]));
-        }
-        for (std::size_t l = 0; l < lists; ++l) {
-            const Promise& p = promises_[l];
-            if (p.least_price < best_.price) scan(lists_[l], p.before, next_begin(p.bin + 1));
+        std::sort(promises_.begin(), promises_.end(), [](const Promise& a, const Promise& b) {
+            return a.least_price != b.least_price ? a.least_price < b.least_price : a.bin < b.bin;
+        });
+        // The best bins mostly have the best gap, and then the others are not even gathered.
+        std::size_t lists = 0, bounds = 0;
+        for (const std::size_t most_bounds : {things_.size() / 32, std::max(things_.size() / 4, few_bounds)}) {
+            const std::size_t first_list = lists;
+            lists = number_bins(first_list, most_bounds, bounds);
+            if (lists == first_list) return;
+            gather_lists();
+            for (std::size_t l = first_list; l < lists; ++l)
+                scan_list(promises_[l], lists_[l - first_list], lists_[l - first_list + 1]);
         }
     }
 
@@ -180,23 +179,41 @@ class GapSearch {
         return price(crossed, from > 0.5 ? from : std::min(to, 0.5));
     }
 
-    /// Numbers the lists of the most promising bins; returns how many there are.
-    std::size_t choose_bins() {
-        std::sort(promises_.begin(), promises_.end(), [](const Promise& a, const Promise& b) {
-            return a.least_price != b.least_price ? a.least_price < b.least_price : a.bin < b.bin;
-        });
+    /// Numbers the bins of the most promising lists from one on, as many as hold some bounds more than `most_bounds`
+    /// with those before; returns the end of these lists.
+    std::size_t number_bins(std::size_t first_list, std::size_t most_bounds, std::size_t& bounds) {
         list_.fill(0);
-        std::size_t lists = 0, bounds = 0;
-        for (const Promise& p : promises_) {
-            if (lists == most_lists || (lists != 0 && bounds > std::max(things_.size() / 4, few_bounds))) break;
-            bounds += bin_[p.bin].begun.things + bin_[p.bin].ended.things;
-            list_[p.bin] = std::uint8_t(++lists);
+        lists_[0] = {};
+        std::size_t end = first_list;
+        for (; end < std::min(promises_.size(), most_lists); ++end) {
+            const Promise& p = promises_[end];
+            if ((end != 0 && bounds > most_bounds) || !(p.least_price < best_.price)) break;
+            const Bin& bin = bin_[p.bin];
+            const List& before = lists_[end - first_list];
+            list_[p.bin] = std::uint8_t(end - first_list + 1);
+            lists_[end - first_list + 1] = {before.begins + bin.begun.things, before.ends + bin.ended.things};
+            bounds += bin.begun.things + bin.ended.things;
         }
-        for (std::size_t l = 0; l < lists; ++l) {
-            lists_[l].begins.clear();
-            lists_[l].ends.clear();
+        begins_.resize(lists_[end - first_list].begins);
+        ends_.resize(lists_[end - first_list].ends);
+        return end;
+    }
+    /// Puts the bounds of numbered bins into their lists.
+    void gather_lists() {
+        std::array<List, most_lists + 1> next = lists_;
+        for (std::size_t i = 0; i < things_.size(); ++i) {
+            const std::uint8_t begin = list_[places_[i][0]], end = list_[places_[i][1]];
+            if (begin != 0) begins_[next[begin - 1u].begins++] = begin_of(things_[i]);
+            if (end != 0) ends_[next[end - 1u].ends++] = end_of(things_[i]);
         }
-        return lists;
+    }
+    void scan_list(const Promise& p, const List& from, const List& to) {
+        if (!(p.least_price < best_.price)) return;
+        const auto begins = std::span(begins_).subspan(from.begins, to.begins - from.begins),
+                   ends = std::span(ends_).subspan(from.ends, to.ends - from.ends);
+        std::sort(begins.begin(), begins.end(), is_before);
+        std::sort(ends.begin(), ends.end(), [](const Bound& a, const Bound& b) { return a.at < b.at; });
+        scan(begins, ends, p.before, next_begin(p.bin + 1));
     }
 
     /// Where something begins after a bin before anything ends; infinity if something ends first, which makes a better
@@ -209,14 +226,14 @@ class GapSearch {
 
     // --- the scan
 
+    static constexpr auto is_before = [](const Bound& a, const Bound& b) {
+        return a.at != b.at ? a.at < b.at : a.is_flat && !b.is_flat;
+    };
+
     /// Goes through sorted bounds from what came before them; `next` is where something begins after them. At one place
     /// things without extent come first, whole, then all that end there, then all that begin: to touch is not to
     /// overlap.
-    void scan(Lists& lists, State state, float next) {
-        std::vector<Bound>&begins = lists.begins, &ends = lists.ends;
-        std::sort(begins.begin(), begins.end(),
-                  [](const Bound& a, const Bound& b) { return a.at != b.at ? a.at < b.at : a.is_flat && !b.is_flat; });
-        std::sort(ends.begin(), ends.end(), [](const Bound& a, const Bound& b) { return a.at < b.at; });
+    void scan(std::span<const Bound> begins, std::span<const Bound> ends, State state, float next) {
         std::size_t b = 0;
         for (std::size_t e = 0; e < ends.size();) {
             const float end = ends[e].at;
@@ -257,10 +274,11 @@ class GapSearch {
     double per_weight_ = 0;
     std::size_t most_crossed_ = 0, bins_ = 0;
     std::vector<Bin> bin_{};
-    std::vector<std::array<std::uint8_t, 2>> places_{};  ///< bins of each thing's ends
-    std::vector<Promise> promises_{};                    ///< best first
-    std::array<std::uint8_t, most_bins> list_{};         ///< of a bin: 1 and more where its bounds are sorted
-    std::array<Lists, most_lists> lists_{};
+    std::vector<std::array<std::uint16_t, 2>> places_{};  ///< bins of each thing's ends
+    std::vector<Promise> promises_{};                     ///< best first
+    std::array<std::uint8_t, most_bins> list_{};          ///< of a bin: 1 and more where its bounds are sorted
+    std::array<List, most_lists + 1> lists_;              ///< where each begins, and the last one ends
+    std::vector<Bound> begins_{}, ends_{};                ///< of these lists
 };
 
 }  // namespace farfield::detail
