@@ -114,7 +114,7 @@ class Application final : private ScriptHost {
     SharedPictures shared_{window_};
     // Last, so that they end first: they wake the window.
     Builder builder_{Window::wake};
-    Drawer drawer_{Window::wake};
+    Drawer drawer_{Window::wake, shared_.hooks()};
 };
 
 }  // namespace viewer
