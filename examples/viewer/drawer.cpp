@@ -112,11 +112,9 @@ class Drawer::Easel {
     /// A viewer's last frame.
     void show(SceneViewer& viewer, const Order& order, Image& image, SharedPicturePtr& shared) const {
         const unsigned texture = drawer_.shares_.keep && !order.difference ? viewer.texture() : 0;
-        if (texture == 0) {
-            image = farfield::report::over_background(viewer.image(), order.background);
-        } else {
-            shared = drawer_.shares_.keep(texture, {order.view.width, order.view.height}, order.background);
-        }
+        const glm::ivec2 size(order.view.width, order.view.height);
+        if (texture != 0) shared = drawer_.shares_.keep(texture, size, order.background);
+        if (!shared) image = farfield::report::over_background(viewer.image(), order.background);
     }
 
     SceneViewer& viewer_of_variant(const Order& order) {

@@ -19,7 +19,7 @@ using SharedPicturePtr = std::shared_ptr<const SharedPicture>;
 /// What a thread that draws needs so that OpenGL's pictures need not be read back; all empty: they are.
 struct SharesPictures {
     std::function<void()> begin{}, end{};  ///< on that thread: makes a context current there, and lets go of it
-    /// Copies a premultiplied picture of that context over a background.
+    /// Copies a premultiplied picture of that context over a background. Null: there is no such context.
     std::function<SharedPicturePtr(unsigned texture, glm::ivec2 size, const farfield::report::Background&)> keep{};
 };
 

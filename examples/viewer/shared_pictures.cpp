@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <string>
 
+#ifdef FARFIELD_HAS_OPENGL
 #include "scenes/renderers/opengl_renderer.hpp"
+#endif
 #include "window.hpp"
 
 namespace viewer {
@@ -124,11 +126,15 @@ SharesPictures SharedPictures::hooks() {
 }
 
 void SharedPictures::begin() {
+#ifdef FARFIELD_HAS_OPENGL
     glfwMakeContextCurrent(window_of(context_));
-    farfield::scenes::adopt_opengl_context();
+    is_current_ = glfwGetCurrentContext() != nullptr;
+    if (is_current_) farfield::scenes::adopt_opengl_context();
+#endif
 }
 
 void SharedPictures::end() {
+    if (!is_current_) return;
     kept_.clear();
     painter_.reset();
     glfwMakeContextCurrent(nullptr);
@@ -136,6 +142,7 @@ void SharedPictures::end() {
 
 SharedPicturePtr SharedPictures::keep(unsigned texture, glm::ivec2 size,
                                       const farfield::report::Background& background) {
+    if (!is_current_) return nullptr;
     if (!painter_) painter_ = std::make_unique<Painter>();
     auto free = std::find_if(kept_.begin(), kept_.end(), [](const auto& k) { return k.use_count() == 1; });
     if (free == kept_.end()) free = kept_.insert(free, std::make_shared<Kept>());

@@ -34,6 +34,7 @@ class SharedPictures {
     SharedPicturePtr keep(unsigned texture, glm::ivec2 size, const farfield::report::Background& background);
 
     void* context_ = nullptr;  ///< GLFW's, of a window that is never shown
+    bool is_current_ = false;  ///< on the thread that draws
     std::unique_ptr<Painter> painter_;
     std::vector<std::shared_ptr<Kept>> kept_;  ///< those that nobody else holds are drawn into again
 };
