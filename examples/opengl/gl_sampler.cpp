@@ -62,11 +62,6 @@ void main() {
 
 constexpr GLenum planes[] = {GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1, GL_CLIP_DISTANCE2, GL_CLIP_DISTANCE3};
 
-Rgba8 premultiplied(Rgba8 c) {
-    const auto part = [&](std::uint8_t v) { return std::uint8_t((unsigned(v) * c.a + 127) / 255); };
-    return {part(c.r), part(c.g), part(c.b), c.a};
-}
-
 }  // namespace
 
 struct GlSampler::Objects {
@@ -126,13 +121,9 @@ void GlSampler::add(const Polygon& polygon) {
     const bool one_color = polygon.colors.size() < polygon.vertices.size();
     for (std::size_t i = 2; i < polygon.vertices.size(); ++i) {
         const std::size_t corners[3] = {0, i - 1, i};
-        float front = 1, back = 1;
-        if (light && !polygon.is_lit) {
-            const glm::vec3 a = polygon.vertices[0];
-            const glm::vec3 normal = normal_to(polygon.vertices[i - 1] - a, polygon.vertices[i] - a);
-            front = light->brightness(normal);
-            back = light->brightness(-normal);
-        }
+        const glm::vec3 a = polygon.vertices[0];
+        const glm::vec3 normal = normal_to(polygon.vertices[i - 1] - a, polygon.vertices[i] - a);
+        const float front = brightness(polygon, normal), back = brightness(polygon, -normal);
         for (const std::size_t c : corners) {
             const Rgba8 color = polygon.colors[one_color ? 0 : c];
             corners_.push_back(

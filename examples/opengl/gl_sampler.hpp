@@ -34,7 +34,7 @@ class GlSampler {
 
     const char* wrong_option() const { return light ? wrong_light(*light) : nullptr; }
     float brightness(const Polygon& polygon, glm::vec3 facing_viewer) const {
-        return light && !polygon.is_lit ? light->brightness(facing_viewer) : 1.0f;
+        return brightness_of(light, polygon, facing_viewer);
     }
 
     /// Throws std::runtime_error for a grid of more samples along a side than textures have texels.

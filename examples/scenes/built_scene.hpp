@@ -53,12 +53,17 @@ class SceneViewer {
     /// What the last frame drew, from outside, where RendererChoice::looks_on and cells were drawn by images (Shade et
     /// al. 1996, figure 3(c)); null of others. From a view of the caller's own, if there is one, whatever was drawn.
     virtual const Image* from_outside([[maybe_unused]] const View* from = nullptr) { return nullptr; }
-    /// The cells that frame() draws a view by, if nothing hides any; at most `most`, the largest in the picture.
-    virtual std::vector<CellOutline> cells([[maybe_unused]] const View& view, [[maybe_unused]] std::size_t most) {
+    /// The cells that frame(), which was called last, draws a view by, those among them that it knew to be hidden, and
+    /// some that were culled beside the picture, if they are wanted: at most `most` of each, the largest.
+    virtual std::vector<CellOutline> cells([[maybe_unused]] const View& view, [[maybe_unused]] std::size_t most,
+                                           [[maybe_unused]] bool wants_outside) {
         return {};
     }
     /// The last frame; premultiplied, coverage in alpha.
     virtual const Image& image() const = 0;
+    /// OpenGL's name of the texture that the last frame was drawn into, rows from the top, in the context that drew it;
+    /// 0: there is none.
+    virtual unsigned texture() const { return 0; }
     /// Of the last frame: of coverage masks, null of others.
     virtual const CoverageWork* work() const { return nullptr; }
     /// The same with the places, where RendererChoice::maps_work.

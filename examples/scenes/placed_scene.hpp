@@ -152,15 +152,33 @@ class PlacedScene final : public BuiltScene {
             const LocalView local(*from, hierarchy_.origin(), hierarchy_.bounds());
             return renderer_.any().from_outside(&local);
         }
-        std::vector<CellOutline> cells(const View& view, std::size_t most) override {
+        std::vector<CellOutline> cells(const View& view, std::size_t most, bool wants_outside) override {
             viewer_.select(view, selection_);
-            return outlines_of(selection_, most);
+            auto outlines = outlines_of(
+                selection_, most, [&]([[maybe_unused]] const auto& entered, [[maybe_unused]] const Subtree& subtree) {
+                    if constexpr (tells_hidden_after_frames) {
+                        renderer_.set_view(entered.view);
+                        return renderer_.hidden(subtree.cell, CellId{entered.path, subtree.node});
+                    } else {
+                        return false;
+                    }
+                });
+            if (!wants_outside) return outlines;
+            viewer_.select(twice_as_wide(view), selection_);
+            add_outlines_outside(selection_, view, most, outlines);
+            return outlines;
         }
         const Image& image() const override { return renderer_.image(); }
+        unsigned texture() const override { return renderer_.any().texture(); }
         const CoverageWork* work() const override { return renderer_.any().work(); }
         const CoverageWorkImage* work_map() const override { return renderer_.any().work_map(); }
 
       private:
+        /// Coverage masks have tiled a background over all that was vacant by then.
+        static constexpr bool tells_hidden_after_frames = Renderer::facts.answers_hidden &&
+                                                          !std::is_same_v<Renderer, CoverageRenderer> &&
+                                                          !std::is_same_v<Renderer, StrictCoverageRenderer>;
+
         const Hierarchy& hierarchy_;
         RendererLike<Renderer> renderer_;
         Viewer<Hierarchy, P, RendererLike<Renderer>> viewer_;
@@ -190,8 +208,9 @@ class PlacedScene final : public BuiltScene {
             return stats;
         }
         Image how_drawn(const View& view) override { return whole().how_drawn(view); }
-        std::vector<CellOutline> cells(const View& view, std::size_t most) override {
-            return whole().cells(view, most);
+        std::vector<CellOutline> cells(const View& view, std::size_t most, bool wants_outside) override {
+            whole().frame(view);  // which cells are hidden is known to whoever draws
+            return whole().cells(view, most, wants_outside);
         }
         const Image& image() const override { return viewer_.image(); }
         const CoverageWork* work() const override {

@@ -21,6 +21,7 @@
 #include "path_recorder.hpp"
 #include "resolution.hpp"
 #include "script_player.hpp"
+#include "shared_pictures.hpp"
 #include "texture.hpp"
 #include "window.hpp"
 
@@ -110,9 +111,10 @@ class Application final : private ScriptHost {
     std::optional<farfield::scenes::PickedInScene> picked_;
     std::optional<std::filesystem::path> screenshot_;
 
+    SharedPictures shared_{window_};
     // Last, so that they end first: they wake the window.
     Builder builder_{Window::wake};
-    Drawer drawer_{Window::wake};
+    Drawer drawer_{Window::wake, shared_.hooks()};
 };
 
 }  // namespace viewer

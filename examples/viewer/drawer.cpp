@@ -23,21 +23,11 @@ double ms_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-bool is_same(const RendererChoice& a, const RendererChoice& b) {
-    return a.kind == b.kind && a.samples == b.samples && a.culls_back_faces == b.culls_back_faces &&
-           a.looks_on == b.looks_on && a.threads == b.threads;
-}
-
-bool is_same(const View& a, const View& b) {
-    return a.camera.eye == b.camera.eye && a.camera.forward == b.camera.forward && a.camera.up == b.camera.up &&
-           a.width == b.width && a.height == b.height && a.tolerance_px == b.tolerance_px && a.wanted == b.wanted;
-}
-
 /// A viewer, made again when something else is to be drawn, or otherwise.
 class Kept {
   public:
     SceneViewer& viewer(const BuiltPtr& built, RendererChoice choice) {
-        if (viewer_ && built == built_ && is_same(choice, choice_)) return *viewer_;
+        if (viewer_ && built == built_ && choice == choice_) return *viewer_;
         viewer_.reset();  // before the next comes: each may hold a copy of all triangles
         built_ = built;
         choice_ = choice;
@@ -87,10 +77,14 @@ class Drawer::Easel {
         if (order.variant) {
             SceneViewer& viewer = viewer_of_variant(order);
             if (order.budget_ms && !order.frozen) learn_prices(viewer, order);
-            const Image& image = variant_image(viewer, order, out);
+            const Image* const image = variant_image(viewer, order, out);
+            if (image != nullptr) {
+                out.variant = farfield::report::over_background(*image, order.background);
+            } else {
+                show(viewer, order, out.variant, out.shared_variant);
+            }
             if (order.most_cells > 0)
-                out.cells = viewer.cells(order.frozen ? *order.frozen : order.view, order.most_cells);
-            out.variant = farfield::report::over_background(image, order.background);
+                out.cells = order.frozen ? frozen_cells_ : viewer.cells(order.view, order.most_cells, false);
             out.missing += out.stats.cells_missing;
         }
         if (!order.exact) return true;
@@ -104,7 +98,7 @@ class Drawer::Easel {
         out.exact_ms = ms_since(begin);
         if (!order.variant) out.stats = stats;
         out.missing += stats.cells_missing;
-        out.exact = farfield::report::over_background(viewer.image(), order.background);
+        show(viewer, order, out.exact, out.shared_exact);
         if (!order.difference || !order.variant) return true;
         if (order.side == 1 && drawer_.is_stale()) return false;
         Compared compared = compare(tinted_ ? untinted_ : out.variant, out.exact, *order.difference);
@@ -115,6 +109,14 @@ class Drawer::Easel {
     }
 
   private:
+    /// A viewer's last frame.
+    void show(SceneViewer& viewer, const Order& order, Image& image, SharedPicturePtr& shared) const {
+        const unsigned texture = drawer_.shares_.keep && !order.difference ? viewer.texture() : 0;
+        const glm::ivec2 size(order.view.width, order.view.height);
+        if (texture != 0) shared = drawer_.shares_.keep(texture, size, order.background);
+        if (!shared) image = farfield::report::over_background(viewer.image(), order.background);
+    }
+
     SceneViewer& viewer_of_variant(const Order& order) {
         RendererChoice choice = order.renderer;
         if (order.budget_ms || order.frozen) choice.threads = 1;
@@ -128,7 +130,8 @@ class Drawer::Easel {
         variant_.prices = farfield::fitted_frame_prices(viewer.measured(order.like, options), options);
     }
 
-    const Image& variant_image(SceneViewer& viewer, const Order& order, Drawn& out) {
+    /// Null: it is the viewer's last frame.
+    const Image* variant_image(SceneViewer& viewer, const Order& order, Drawn& out) {
         const auto begin = Clock::now();
         tinted_ = false;
         if (order.frozen) return image_from_outside(viewer, order, out);
@@ -139,19 +142,23 @@ class Drawer::Easel {
             out.stats = viewer.frame(order.view);
         }
         out.variant_ms = ms_since(begin);
-        if (!order.tints_levels) return viewer.image();
+        if (!order.tints_levels) return nullptr;
         tinted_ = true;
         if (order.difference) untinted_ = farfield::report::over_background(viewer.image(), order.background);
         image_ = viewer.how_drawn(order.view);
-        return image_;
+        return &image_;
     }
 
     /// What the frozen view is drawn by is chosen once, and then only looked at.
-    const Image& image_from_outside(SceneViewer& viewer, const Order& order, Drawn& out) {
+    const Image* image_from_outside(SceneViewer& viewer, const Order& order, Drawn& out) {
         const bool is_there = variant_.frozen && is_same(*variant_.frozen, *order.frozen) &&
-                              variant_.frozen_is_tinted == order.tints_levels;
+                              variant_.frozen_is_tinted == order.tints_levels && most_frozen_cells_ == order.most_cells;
         if (!is_there) {
             frozen_stats_ = viewer.frame(*order.frozen);
+            // What was hidden is known until the next frame.
+            most_frozen_cells_ = order.most_cells;
+            frozen_cells_.clear();
+            if (order.most_cells > 0) frozen_cells_ = viewer.cells(*order.frozen, order.most_cells, true);
             if (order.tints_levels) viewer.how_drawn(*order.frozen);
             variant_.frozen = order.frozen;
             variant_.frozen_is_tinted = order.tints_levels;
@@ -161,19 +168,26 @@ class Drawer::Easel {
         out.variant_ms = ms_since(begin);
         out.stats = frozen_stats_;
         if (image == nullptr) throw std::invalid_argument("this renderer cannot be looked at from outside");
-        return *image;
+        return image;
     }
 
     const Drawer& drawer_;
     std::shared_ptr<const Stage> stage_;
     Kept variant_, exact_;
     FrameStats frozen_stats_;
+    std::vector<farfield::scenes::CellOutline> frozen_cells_;
+    std::size_t most_frozen_cells_ = 0;
     Image image_;
     bool tinted_ = false;
     Image untinted_;  ///< what exact is compared with where levels are tinted
 };
 
-Drawer::Drawer(std::function<void()> wake) : wake_(std::move(wake)), thread_([this] { work(); }) {}
+Drawer::Drawer(std::function<void()> wake, SharesPictures shares)
+    : wake_(std::move(wake)), shares_(std::move(shares)), thread_([this] {
+          if (shares_.begin) shares_.begin();
+          work();
+          if (shares_.end) shares_.end();
+      }) {}
 
 Drawer::~Drawer() {
     {

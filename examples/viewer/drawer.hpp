@@ -13,48 +13,34 @@
 #include <thread>
 #include <vector>
 
-#include "comparison.hpp"
-#include "farfield/camera.hpp"
 #include "farfield/image.hpp"
 #include "farfield/view.hpp"
-#include "report/picture.hpp"
+#include "order.hpp"
 #include "scenes/built_scene.hpp"
-#include "stage.hpp"
+#include "shared_picture.hpp"
 
 namespace viewer {
 
-/// What pictures to draw, and of what.
-struct Order {
-    std::shared_ptr<const Stage> stage{};  ///< outlives what is drawn of it
-    BuiltPtr variant{}, exact{};           ///< null: it is not drawn
-    farfield::scenes::RendererChoice renderer{}, exact_renderer{};
-    farfield::View view{};                   ///< of the variant
-    std::optional<farfield::View> frozen{};  ///< what is drawn is chosen for this view, and seen from the other
-    std::optional<double> budget_ms{};
-    std::vector<farfield::View> like{};  ///< from which it is learned what frames cost
-    bool tints_levels = false;
-    std::size_t most_cells = 0;  ///< whose outlines are wanted
-    std::optional<Difference> difference{};
-    farfield::report::Background background{};
-    int side = 1;            ///< pixels of the window on the side of one of the picture
-    std::size_t number = 0;  ///< of the order, for whoever gave it
-};
-
-/// Opaque pictures; empty where they were not asked for.
+/// Opaque pictures; empty where they were not asked for. OpenGL's lie in textures instead, where the thread can share
+/// them and nobody here has to look at their pixels.
 struct Drawn {
     Order order;
     farfield::Image variant, exact, difference;
+    SharedPicturePtr shared_variant, shared_exact;
     farfield::FrameStats stats{};
     std::uint64_t missing = 0;  ///< cells drawn coarser, of both, for their pages have not come
     double variant_ms = 0, exact_ms = 0, flip = -1, rmse = -1;
     std::vector<farfield::scenes::CellOutline> cells;
     std::string problem;  ///< one line; empty: none
+
+    bool has_variant() const { return shared_variant || !variant.pixels().empty(); }
+    bool has_exact() const { return shared_exact || !exact.pixels().empty(); }
 };
 
 class Drawer {
   public:
     /// `wake` is called on that thread whenever something is drawn.
-    explicit Drawer(std::function<void()> wake);
+    explicit Drawer(std::function<void()> wake, SharesPictures shares = {});
     ~Drawer();
     Drawer(const Drawer&) = delete;
     Drawer& operator=(const Drawer&) = delete;
@@ -70,6 +56,7 @@ class Drawer {
     bool is_stale() const;
 
     std::function<void()> wake_;
+    SharesPictures shares_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::optional<Order> next_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "farfield/camera.hpp"
+#include "scenes/how_drawn.hpp"
 #include "scenes/looked_at.hpp"
 
 namespace viewer {
@@ -17,6 +18,17 @@ namespace viewer {
 struct Line {
     glm::dvec2 from, to;
 };
+
+/// A stand-in's outline has its level's color, that of drawn primitives is gray; of what was culled it is red where
+/// something hides it, and blue beside the picture.
+inline farfield::Rgba8 tint_of(const farfield::scenes::CellOutline& cell) {
+    if (cell.is_outside) return {70, 90, 160, 90};
+    if (cell.is_hidden) return {230, 30, 40, 130};
+    if (!cell.is_stand_in) return {90, 90, 90, 60};
+    farfield::Rgba8 tint = farfield::scenes::tint_of_level(cell.depth);
+    tint.a = 200;
+    return tint;
+}
 
 /// Of a perspective camera, in a picture of that size, from its upper left corner; nothing where all of it lies behind
 /// the eye.

@@ -5,8 +5,13 @@
 #include <type_traits>
 #include <utility>
 
-#if FARFIELD_HAS_HTTP
+#ifdef FARFIELD_HAS_HTTP
 #include "farfield/adapters/http_page_source.hpp"
+#endif
+#ifdef FARFIELD_HAS_OPENGL
+#include "opengl/culled_in_software.hpp"
+#include "opengl/gl_renderer.hpp"
+#include "scenes/renderers/opengl_renderer.hpp"
 #endif
 #include "farfield/paging/file_page_source.hpp"
 #include "farfield/paging/open_pages.hpp"
@@ -32,17 +37,45 @@ bool is_address(const std::string& where) {
     return where.rfind("http://", 0) == 0 || where.rfind("https://", 0) == 0;
 }
 
-template <class Pages>
+struct ZBuffer {
+    using Renderer = farfield::ZBufferRenderer;
+    Renderer renderer;
+    explicit ZBuffer(const RendererChoice& choice) : renderer({.samples = choice.samples}) {}
+    const Image& image() const { return renderer.image(); }
+    unsigned texture() const { return 0; }
+    void finish() {}
+};
+
+#ifdef FARFIELD_HAS_OPENGL
+struct OpenGl {
+    using Renderer = farfield::opengl::CulledInSoftware<farfield::opengl::GlRenderer>;
+    std::shared_ptr<void> context = farfield::scenes::opengl_context();
+    farfield::opengl::GlRenderer shading;
+    Renderer renderer;
+    explicit OpenGl(const RendererChoice& choice)
+        : shading({.samples = choice.samples}),
+          renderer(shading, farfield::ZBufferOptions{.samples = choice.samples}) {}
+    const Image& image() const { return shading.image(); }
+    unsigned texture() const { return shading.texture(); }
+    void finish() { glFinish(); }  // so that times are times
+};
+#endif
+
+template <class Pages, class Drawn>
 class PagedFrames final : public SceneViewer {
   public:
-    PagedFrames(const Pages& pages, const RendererChoice& choice)
-        : renderer_({.samples = choice.samples}), viewer_(pages, renderer_) {}
-    FrameStats frame(const View& view) override { return viewer_.frame(view); }
-    const Image& image() const override { return renderer_.image(); }
+    PagedFrames(const Pages& pages, const RendererChoice& choice) : by_(choice), viewer_(pages, by_.renderer) {}
+    FrameStats frame(const View& view) override {
+        const FrameStats stats = viewer_.frame(view);
+        by_.finish();
+        return stats;
+    }
+    const Image& image() const override { return by_.image(); }
+    unsigned texture() const override { return by_.texture(); }
 
   private:
-    farfield::ZBufferRenderer renderer_;
-    farfield::Viewer<Pages, PagedPrimitive, farfield::ZBufferRenderer> viewer_;
+    Drawn by_;
+    farfield::Viewer<Pages, PagedPrimitive, typename Drawn::Renderer> viewer_;
 };
 
 template <class Pages>
@@ -54,8 +87,14 @@ class PagedBuilt final : public BuiltScene {
         facts_.levels = pages.report().levels;
     }
     std::unique_ptr<SceneViewer> viewer(const RendererChoice& choice) const override {
-        if (choice.kind != RendererKind::z_buffer) throw std::invalid_argument("pages are drawn by the z-buffer here");
-        return std::make_unique<PagedFrames<Pages>>(pages_, choice);
+        if (!draws_pages(choice.kind)) {
+            throw std::invalid_argument("the renderer " + std::string(name_of(choice.kind)) +
+                                        " does not draw from pages here");
+        }
+#ifdef FARFIELD_HAS_OPENGL
+        if (choice.kind == RendererKind::opengl) return std::make_unique<PagedFrames<Pages, OpenGl>>(pages_, choice);
+#endif
+        return std::make_unique<PagedFrames<Pages, ZBuffer>>(pages_, choice);
     }
     std::optional<PickedInScene> pick(const View& view, glm::dvec2 pixel) const override {
         Pages own = pages_;  // whoever picks may be another thread
@@ -102,9 +141,16 @@ bool is_paged_scene(const std::string& where) {
            (where.size() > end.size() && where.compare(where.size() - end.size(), end.size(), end) == 0);
 }
 
+bool draws_pages(RendererKind kind) {
+#ifdef FARFIELD_HAS_OPENGL
+    if (kind == RendererKind::opengl) return true;
+#endif
+    return kind == RendererKind::z_buffer;
+}
+
 PagedScene open_paged_scene(const std::string& where, std::size_t cache_bytes) {
     if (is_address(where)) {
-#if FARFIELD_HAS_HTTP
+#ifdef FARFIELD_HAS_HTTP
         return open(std::make_shared<farfield::HttpPageSource>(where), where, cache_bytes);
 #else
         throw std::runtime_error(

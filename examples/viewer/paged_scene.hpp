@@ -21,6 +21,9 @@ struct PagedScene {
     std::uint64_t primitives = 0, file_bytes = 0, pages = 0;
 };
 
+/// The z-buffer does, and OpenGL where this program was built with it.
+bool draws_pages(farfield::scenes::RendererKind kind);
+
 /// Throws std::runtime_error, one line that names the place.
 PagedScene open_paged_scene(const std::string& where, std::size_t cache_bytes);
 

@@ -211,7 +211,7 @@ Clicked show_panels(Look& look, const Shown& shown) {
     plot("##frame times", "frame %.1f ms", *shown.frame_ms);
     plot("##errors", look.difference == Difference::flip ? "mean FLIP %.4f" : "RMSE %.4f", *shown.errors);
     const Drawn& drawn = *shown.drawn;
-    if (!drawn.exact.pixels().empty() && !drawn.variant.pixels().empty()) {
+    if (drawn.has_exact() && drawn.has_variant()) {
         ImGui::Text("exact %.1f ms, %.1f times that", drawn.exact_ms, drawn.exact_ms / drawn.variant_ms);
     }
     if (drawn.rmse >= 0) ImGui::Text("RMSE %.4f", drawn.rmse);

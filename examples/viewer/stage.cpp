@@ -33,12 +33,12 @@ std::shared_ptr<const Stage> open_pages(const std::string& where, std::size_t ca
                   std::to_string(pages.pages) + " pages";
     stage->bounds = pages.bounds;
     stage->is_paged = true;
-    const auto only_z_buffer = [](RendererKind kind) {
-        return std::string(kind == RendererKind::z_buffer ? "" : "does not draw from pages here");
+    const auto only_some = [](RendererKind kind) {
+        return std::string(draws_pages(kind) ? "" : "does not draw from pages here");
     };
     const auto same = [built = pages.built](const SceneProgress&) { return built; };
-    stage->variants = {{"exact", "as fine as pages in memory allow", {}, same, only_z_buffer},
-                       {pages.variant, "what the file was built with", {}, same, only_z_buffer}};
+    stage->variants = {{"exact", "as fine as pages in memory allow", {}, same, only_some},
+                       {pages.variant, "what the file was built with", {}, same, only_some}};
     return stage;
 }
 

@@ -198,6 +198,14 @@ void Window::show() {
     glfwSwapBuffers(parts_->window);
 }
 
+void* Window::make_sharing_context() {
+    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+    glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, GLFW_FALSE);
+    GLFWwindow* const sharing = glfwCreateWindow(16, 16, "", nullptr, parts_->window);
+    glfwWindowHint(GLFW_VISIBLE, GLFW_TRUE);
+    return sharing;
+}
+
 const std::vector<std::string>& Window::gl_errors() const {
     return parts_->gl_errors;
 }

@@ -46,6 +46,10 @@ class Window {
     farfield::Image read_back() const;
     void show();
 
+    /// GLFW's window, never shown, of a context that shares this one's textures and is current nowhere; null: the
+    /// driver gives none. Whoever asks destroys it, on this thread.
+    void* make_sharing_context();
+
     /// What OpenGL found wrong so far; empty: nothing.
     const std::vector<std::string>& gl_errors() const;
     /// Who draws, as OpenGL names it.

@@ -35,3 +35,12 @@ TEST_CASE("scaled colors round to nearest, do not overflow and keep alpha", "[ge
     CHECK(scaled({100, 200, 255, 77}, 1) == Rgba8{100, 200, 255, 77});
     CHECK(scaled({100, 200, 255, 77}, 2) == Rgba8{200, 255, 255, 77});
 }
+
+TEST_CASE("colors that hold the light already, and those without one, stay as they are", "[geometry]") {
+    const DirectionalLight light{{0, 0, 5}, 0.2f, 0.7f};
+    Polygon polygon{};
+    CHECK(brightness_of({}, polygon, {0, 0, 1}) == 1);
+    CHECK(brightness_of(light, polygon, {0, 0, -1}) == light.brightness({0, 0, -1}));
+    polygon.is_lit = true;
+    CHECK(brightness_of(light, polygon, {0, 0, -1}) == 1);
+}

@@ -1,5 +1,7 @@
 #include "farfield/geometry/rgba8.hpp"
 
+#include <cstdint>
+#include <cstdlib>
 #include <limits>
 
 #include "catch.hpp"
@@ -10,6 +12,16 @@ TEST_CASE("eight bits come back as they were", "[geometry]") {
     for (int v = 0; v < 256; ++v) {
         const Rgba8 c{std::uint8_t(v), std::uint8_t(255 - v), std::uint8_t(v / 2), std::uint8_t(v)};
         CHECK(to_rgba8(to_vec4(c)) == c);
+    }
+}
+
+TEST_CASE("premultiplied colors are rounded, and no channel is above alpha", "[geometry]") {
+    for (int a = 0; a < 256; ++a) {
+        for (int v = 0; v < 256; ++v) {
+            const Rgba8 c = premultiplied({std::uint8_t(v), 255, 0, std::uint8_t(a)});
+            REQUIRE(std::abs(v * a - 255 * c.r) <= 127);
+            REQUIRE((c.g == a && c.b == 0 && c.a == a));
+        }
     }
 }
 

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <glm/vec2.hpp>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
 #include "catch.hpp"
 #include "support/pictures.hpp"
+#include "support/random.hpp"
 #include "support/scenes.hpp"
+#include "support/views.hpp"
 
 using namespace farfield;
 using namespace farfield::test;
@@ -483,4 +488,46 @@ TEST_CASE("a source that goes makes room for the next", "[raster]") {
     CHECK(a.id != b.id);
     renderer.release(a.id);
     CHECK(renderer.upload(a) == a.id);
+}
+
+TEST_CASE("what is hidden in every sample changes none of them", "[renderer]") {
+    Random random(31);
+    for (const int samples : {1, 4}) {
+        ZBufferRenderer all(ZBufferOptions{.samples = samples}), seen(ZBufferOptions{.samples = samples});
+        const LocalView view(looking({0, 0, 6}, {}, 64), {}, 4.0f);
+        std::vector<Splat> splats(6000);
+        for (Splat& s : splats) {
+            s.center = random.in_cube(1);
+            s.size = glm::vec2(random.between(0.02f, 0.12f), random.between(0.02f, 0.12f));
+            s.opacity = random.between(0.2f, 1);
+            s.rgb = random.color();
+            s.rgb.a = std::uint8_t(random.below(3));
+        }
+        std::sort(splats.begin(), splats.end(), [](const Splat& a, const Splat& b) { return a.center.z > b.center.z; });
+        for (ZBufferRenderer* r : {&all, &seen}) {
+            r->begin_frame(view);
+            r->set_view(view);
+        }
+        int hidden = 0, hidden_cells = 0, by_tiles = 0;
+        for (const Splat& s : splats) {
+            all.draw(std::span(&s, 1));
+            // A cell that holds no more than the splat says less, and squares of 8 x 8 less still.
+            Cell cell;
+            cell.bounds_center = s.center;
+            cell.bounds_half = glm::vec3(0.5f * s.size, 0);
+            const bool is_hidden = seen.hidden_in_samples(s), is_hidden_cell = seen.hidden_in_samples(cell);
+            CHECK((is_hidden || !is_hidden_cell));
+            CHECK((is_hidden_cell || !seen.hidden(cell, {})));
+            hidden += is_hidden;
+            hidden_cells += is_hidden_cell;
+            by_tiles += seen.hidden(cell, {});
+            if (!is_hidden) seen.draw(std::span(&s, 1));
+        }
+        all.end_frame();
+        seen.end_frame();
+        CHECK(all.image() == seen.image());
+        INFO(hidden << " splats, " << hidden_cells << " cells, " << by_tiles << " by tiles");
+        CHECK(hidden > 1000);
+        CHECK(hidden_cells > 100);
+    }
 }

@@ -6,18 +6,27 @@
 #include <chrono>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "builder.hpp"
 #include "catch.hpp"
+#include "farfield/build.hpp"
 #include "farfield/measure/flip.hpp"
+#include "farfield/paging/write_pages.hpp"
 #include "navigator.hpp"
 #include "report/picture.hpp"
+#include "scenes/paged_variants.hpp"
+#include "support/random.hpp"
 #include "support/temporary_directory.hpp"
 
 using namespace viewer;
+using farfield::FrameStats;
 using farfield::View;
+using farfield::scenes::CellOutline;
 using farfield::scenes::RendererKind;
 
 namespace {
@@ -127,6 +136,29 @@ TEST_CASE("what is opened, built and drawn on threads is what is drawn without t
         CHECK(farfield::flip(aside.variant, variant) > 0.03);
         CHECK(aside.stats.approximations == drawn.stats.approximations);
     }
+    SECTION("of what was culled beside a frozen view and behind something there are outlines") {
+        Navigator navigator(stage->bounds, stage->up);
+        navigator.zoom(8, {0, 0});
+        Order near_by = order;
+        near_by.exact = nullptr;
+        near_by.view.camera = navigator.camera();
+        near_by.most_cells = 200;
+        const auto count = [](const Drawn& of, bool CellOutline::*what) {
+            return std::count_if(of.cells.begin(), of.cells.end(), [&](const auto& c) { return c.*what; });
+        };
+        const Drawn within = drawn_by(drawer, near_by);
+        CHECK(within.stats.cells_outside > 0);
+        CHECK(count(within, &CellOutline::is_outside) == 0);
+        CHECK((within.stats.cells_hidden == 0 || count(within, &CellOutline::is_hidden) > 0));
+        near_by.frozen = near_by.view;
+        near_by.view.camera = order.view.camera;
+        const Drawn outside = drawn_by(drawer, near_by);
+        CHECK(outside.problem.empty());
+        CHECK(count(outside, &CellOutline::is_outside) > 0);
+        for (const auto& cell : outside.cells) {
+            if (cell.is_outside) CHECK(farfield::scenes::is_outside(*near_by.frozen, cell));
+        }
+    }
     SECTION("levels are drawn in colors") {
         Order levels = order;
         levels.tints_levels = true;
@@ -174,6 +206,53 @@ TEST_CASE("what is opened, built and drawn on threads is what is drawn without t
             }
         }
     }
+}
+
+TEST_CASE("pages are drawn by OpenGL as by the z-buffer, and by no one else") {
+    using Pages = farfield::scenes::PagedOver<farfield::OpacityTensor>;
+    std::vector<farfield::scenes::PagedPrimitive> triangles;
+    farfield::test::Random random(5);
+    for (int i = 0; i < 6000; ++i) {
+        const glm::vec3 at = random.in_cube(1);
+        farfield::scenes::PagedPrimitive t;
+        for (auto& v : t.vertices) v = at + random.in_cube(0.05f);
+        t.rgba.fill(random.color());
+        triangles.push_back(t);
+    }
+    const auto hierarchy = farfield::build<Pages>(triangles);
+    const auto bytes = farfield::paged<Pages, farfield::scenes::PagedPrimitive>(hierarchy, triangles);
+    const farfield::test::TemporaryDirectory directory;
+    {
+        std::ofstream file(directory / "some.farfield", std::ios::binary);
+        file.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    }
+    const auto stage = open_stage((directory / "some.farfield").string(), 64);
+    const auto built = stage->variants[1].build({});
+    CHECK_FALSE(stage->variants[1].obstacle(RendererKind::coverage).empty());
+    CHECK_THROWS_AS(built->viewer({.kind = RendererKind::coverage}), std::invalid_argument);
+    if (!stage->variants[1].obstacle(RendererKind::opengl).empty()) {
+        WARN("skipped: there is no OpenGL in this program");
+        return;
+    }
+    const auto expected = built->viewer({});
+    std::unique_ptr<farfield::scenes::SceneViewer> tested;
+    try {
+        tested = built->viewer({.kind = RendererKind::opengl});
+    } catch (const std::runtime_error& error) {
+        WARN("skipped: " << error.what());
+        return;
+    }
+    View view = view_of(*stage, 160, 120);
+    view.tolerance_px = 3;
+    // Until all pages are there.
+    FrameStats stats;
+    do {
+        stats = expected->frame(view);
+    } while (stats.cells_missing > 0);
+    CHECK(tested->frame(view).approximations == stats.approximations);
+    CHECK(stats.approximations > 0);
+    CHECK(farfield::flip(farfield::report::over_background(tested->image(), stage->background),
+                         farfield::report::over_background(expected->image(), stage->background)) <= 0.03);
 }
 
 TEST_CASE("what is picked in an instance is told in the scene's coordinates, with its cell around it") {

@@ -13,6 +13,7 @@
 #include "resolution.hpp"
 #include "script.hpp"
 #include "script_player.hpp"
+#include "support/random.hpp"
 #include "support/temporary_directory.hpp"
 
 using namespace viewer;
@@ -182,4 +183,42 @@ TEST_CASE("a script that makes no sense is refused with its line") {
     ScriptPlayer player(read_script(directory.write("c", "\nkey Ctrl+S\n")));
     Recorder host;
     CHECK_THROWS_WITH(player.step(host), Contains("line 2") && Contains("Ctrl"));
+}
+
+TEST_CASE("a cell is outside only where no point of it is in the picture") {
+    farfield::test::Random random(9);
+    farfield::View view;
+    view.camera = farfield::Camera::perspective({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 1);
+    view.width = 200;
+    view.height = 100;
+    int outside = 0, inside = 0;
+    for (int i = 0; i < 2000; ++i) {
+        farfield::scenes::CellOutline cell;
+        cell.center = glm::dvec3(random.in_cube(12));
+        const double half = double(random.between(0.1f, 2));
+        cell.half = {glm::dvec3(half, 0, 0), glm::dvec3(0, half, 0), glm::dvec3(0, 0, half)};
+        const bool is_outside = farfield::scenes::is_outside(view, cell);
+        outside += is_outside;
+        bool is_seen = false;
+        for (int k = 0; k < 100 && !is_seen; ++k) {
+            const glm::dvec3 p = cell.center + half * glm::dvec3(random.in_cube(1));
+            const double depth = 5 - p.z, up = depth * double(view.camera.half_height);
+            is_seen = depth > 0 && std::abs(p.x) < 2 * up && std::abs(p.y) < up;
+        }
+        inside += is_seen;
+        CHECK_FALSE((is_outside && is_seen));
+    }
+    CHECK(outside > 200);
+    CHECK(inside > 200);
+}
+
+TEST_CASE("what was culled has other colors than what was drawn") {
+    farfield::scenes::CellOutline cell;
+    const auto drawn = tint_of(cell);
+    cell.is_hidden = true;
+    const auto hidden = tint_of(cell);
+    cell.is_hidden = false;
+    cell.is_outside = true;
+    const auto outside = tint_of(cell);
+    CHECK((drawn != hidden && drawn != outside && hidden != outside));
 }

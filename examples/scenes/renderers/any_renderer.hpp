@@ -53,6 +53,8 @@ class AnyRenderer {
     virtual void end_frame() = 0;
     virtual void draw(std::uint32_t source, std::span<const Range> ranges) = 0;
     virtual const Image& image() const = 0;
+    /// OpenGL's name of the texture that it was drawn into, in the context that drew it; 0: there is none.
+    virtual unsigned texture() const { return 0; }
 
     // Of those whose facts say so; never called of others.
     virtual void draw(std::span<const Face> faces) = 0;

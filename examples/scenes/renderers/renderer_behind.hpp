@@ -51,6 +51,10 @@ class RendererBehind final : public AnyRenderer {
         renderer_.draw(source, ranges);
     }
     const Image& image() const override { return renderer_.image(); }
+    unsigned texture() const override {
+        if constexpr (requires { renderer_.texture(); }) return renderer_.texture();
+        return 0;
+    }
 
     void draw([[maybe_unused]] std::span<const Face> faces) override {
         if constexpr (R::facts.draws_faces) renderer_.draw(faces);

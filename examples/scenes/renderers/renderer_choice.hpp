@@ -27,7 +27,10 @@ struct RendererChoice {
     bool masks_by_table = false;         ///< of coverage masks at 64 samples: edges quantized, as in 1996
     bool maps_work = false;              ///< coverage masks tell where they visit cells, too, which takes time
     bool looks_on = false;               ///< what it drew can be seen from outside, which takes time and memory
+    bool draws_hidden = false;           ///< of OpenGL: no z-buffer on the processor says what is hidden
     unsigned threads = 1;                ///< above 1: bands of the picture are drawn at once; without maps_work
+
+    friend bool operator==(const RendererChoice&, const RendererChoice&) = default;
 };
 
 }  // namespace farfield::scenes

@@ -99,10 +99,7 @@ class DrawNow {
         void operator()(Face face) const {
             if constexpr (!std::is_same_v<Tint, AsTheyAre>) {
                 const Rgba8 c = to.tint_(subtree);
-                const auto premultiplied = [&](std::uint8_t channel) {
-                    return std::uint8_t((unsigned(channel) * face.rgba.a + 127) / 255);
-                };
-                face.rgba = {premultiplied(c.r), premultiplied(c.g), premultiplied(c.b), face.rgba.a};
+                face.rgba = premultiplied({c.r, c.g, c.b, face.rgba.a});
             }
             if (weight != 1) {
                 const auto fainter = [&](std::uint8_t channel) { return std::uint8_t(float(channel) * weight + 0.5f); };

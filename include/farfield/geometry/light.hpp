@@ -6,8 +6,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 
 #include "farfield/geometry/length.hpp"
+#include "farfield/geometry/polygon.hpp"
 #include "farfield/geometry/rgba8.hpp"
 
 namespace farfield {
@@ -45,6 +47,13 @@ inline const char* wrong_light(const DirectionalLight& light) {
     if (!(light.diffuse >= 0 && std::isfinite(light.diffuse)))
         return "DirectionalLight: diffuse must be 0 or more and finite";
     return nullptr;
+}
+
+/// The factor that a light, if there is one, gives to a polygon's colors on the side with this normal (any length): 1
+/// where they hold the light already.
+inline float brightness_of(const std::optional<DirectionalLight>& light, const Polygon& polygon,
+                           glm::vec3 facing_viewer) {
+    return light && !polygon.is_lit ? light->brightness(facing_viewer) : 1.0f;
 }
 
 /// A color times a brightness; alpha stays.

@@ -28,4 +28,10 @@ inline Rgba8 to_rgba8(glm::vec4 c) {
     return {byte(c.x), byte(c.y), byte(c.z), byte(c.w)};
 }
 
+/// The color times its alpha, as what is drawn over something else is kept; rounded to nearest.
+inline Rgba8 premultiplied(Rgba8 c) {
+    const auto part = [&](std::uint8_t v) { return static_cast<std::uint8_t>((unsigned(v) * c.a + 127) / 255); };
+    return {part(c.r), part(c.g), part(c.b), c.a};
+}
+
 }  // namespace farfield

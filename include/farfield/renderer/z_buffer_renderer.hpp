@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -98,7 +99,42 @@ class ZBufferRenderer {
     /// Whether a cell is hidden: nothing in it then changes the picture. Before the first deposit of a frame, a
     /// stand-in's or a triangle's, nothing is hidden: an exact picture takes every primitive in the frustum.
     bool hidden(const Cell& cell, CellId) {
-        detail::SampleBuffers& buffers = canvas_.buffers();
+        return is_hidden(cell, [this](int x0, int y0, int x1, int y1, float q) {
+            return canvas_.buffers().all_settled(x0, y0, x1, y1, q);
+        });
+    }
+
+    // For whoever draws by other means what this one says is seen: each drawable is dear there, and what can be left
+    // out is worth a look at every sample, where hidden() looks at squares of 8 x 8.
+
+    bool hidden_in_samples(const Cell& cell) {
+        return is_hidden(cell, [this](int x0, int y0, int x1, int y1, float q) {
+            return canvas_.buffers().each_settled(x0, y0, x1, y1, q);
+        });
+    }
+    /// Whether a splat changes no sample: each that it touches is settled.
+    bool hidden_in_samples(const Splat& splat) {
+        const detail::SampleBuffers& buffers = canvas_.buffers();
+        if (!buffers.has_far() || canvas_.is_sliced()) return false;
+        const detail::SampleProjection& projection = canvas_.projection();
+        const glm::vec3 p = projection.project(splat.center);
+        if (!(p.z > projection.near_depth)) return false;
+        const float inverse = projection.inverse_w(p.z);
+        const glm::vec2 half = splat.size * (0.5f * projection.focal * inverse);
+        const float x = (p.x * inverse + projection.offset_x) * (1.0f / 256),
+                    y = (p.y * inverse + projection.offset_y) * (1.0f / 256);
+        constexpr float guard = detail::SampleProjection::guard_band;
+        if (!(half.x < 32 && half.y < 32 && std::abs(x) < guard && std::abs(y) < guard)) return false;
+        return buffers.each_settled(int(std::floor(x - half.x)), int(std::floor(y - half.y)),
+                                    int(std::floor(x + half.x)), int(std::floor(y + half.y)),
+                                    projection.q(p.z, inverse));
+    }
+
+  private:
+    /// `all_settled` says so of a rectangle of samples.
+    template <class AllSettled>
+    bool is_hidden(const Cell& cell, AllSettled&& all_settled) {
+        const detail::SampleBuffers& buffers = canvas_.buffers();
         if (!buffers.has_far() || canvas_.is_sliced()) return false;
         const detail::SampleProjection& projection = canvas_.projection();
         const glm::vec3 p = projection.project(cell.bounds_center);
@@ -118,11 +154,10 @@ class ZBufferRenderer {
         // Nothing is nearer than this q, roundings included.
         const float rounding = (std::abs(p.z) + radius) * 0x1p-16f, front = p.z - radius - rounding;
         const float q = projection.q(front, 1 / std::max(projection.w(front), 0.5f * nearest));
-        return buffers.all_settled(int(std::floor(cx - rx)), int(std::floor(cy - ry)), int(std::floor(cx + rx)),
-                                   int(std::floor(cy + ry)), q);
+        return all_settled(int(std::floor(cx - rx)), int(std::floor(cy - ry)), int(std::floor(cx + rx)),
+                           int(std::floor(cy + ry)), q);
     }
 
-  private:
     detail::ZBufferCanvas canvas_;
     detail::BlockFill fill_;
 };

@@ -37,7 +37,7 @@ class GridSampler {
 
     /// The factor that the light gives to colors of the side with this normal (any length).
     float brightness(const Polygon& polygon, glm::vec3 facing_viewer) const {
-        return light && !polygon.is_lit ? light->brightness(facing_viewer) : 1.0f;
+        return brightness_of(light, polygon, facing_viewer);
     }
 
     template <class Visit>
@@ -173,10 +173,6 @@ class GridSampler {
         if (color.a == 0 || (out[at].a != 0 && depth_[at] <= depth)) return;
         depth_[at] = depth;
         out[at] = color.a == 255 ? color : premultiplied(color);
-    }
-    static Rgba8 premultiplied(Rgba8 c) {
-        const auto part = [&](std::uint8_t v) { return std::uint8_t((unsigned(v) * c.a + 127) / 255); };
-        return {part(c.r), part(c.g), part(c.b), c.a};
     }
 
     glm::vec3 steps_per_unit_{0};

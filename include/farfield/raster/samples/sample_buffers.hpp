@@ -108,14 +108,15 @@ class SampleBuffers {
     /// nearer geometry or is closed, by deposits of which the first is nearer. May err towards no; a rectangle without
     /// samples gives yes.
     bool all_settled(int x0, int y0, int x1, int y1, float q) {
-        x0 = std::max(x0 - first_x_, 0);
-        y0 = std::max(y0 - first_y_, 0);
-        x1 = std::min(x1 - first_x_, width_ - 1);
-        y1 = std::min(y1 - first_y_, height_ - 1);
-        if (x0 > x1 || y0 > y1) return true;
+        if (!clip(x0, y0, x1, y1)) return true;
         return tiles_.all_nearer(x0, y0, x1, y1, q, [&](int left, int top, int right, int bottom) {
             return farthest_settled(left, top, std::min(right, width_), std::min(bottom, height_), q);
         });
+    }
+
+    /// The same, looking at each sample: dearer, and does not ask for more than the rectangle.
+    bool each_settled(int x0, int y0, int x1, int y1, float q) const {
+        return !clip(x0, y0, x1, y1) || farthest_settled(x0, y0, x1 + 1, y1 + 1, q) > q;
     }
 
     /// Writes the mean of each pixel's samples, but only where they changed since the last resolve into the same image.
@@ -172,6 +173,15 @@ class SampleBuffers {
         for (int y = r.y0 / side_; y <= (r.y1 - 1) / side_; ++y) {
             for (int x = r.x0 / side_; x <= (r.x1 - 1) / side_; ++x) f(x, y);
         }
+    }
+
+    /// From the upper left sample; false where nothing of the rectangle is left.
+    bool clip(int& x0, int& y0, int& x1, int& y1) const {
+        x0 = std::max(x0 - first_x_, 0);
+        y0 = std::max(y0 - first_y_, 0);
+        x1 = std::min(x1 - first_x_, width_ - 1);
+        y1 = std::min(y1 - first_y_, height_ - 1);
+        return x0 <= x1 && y0 <= y1;
     }
 
     /// The least q in a rectangle, half open, behind which nothing changes a sample, or the first not larger than q.

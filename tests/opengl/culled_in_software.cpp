@@ -1,10 +1,12 @@
 // Software says what is hidden and another renderer shades: the same picture of less.
-#include "opengl/culled_by_coverage.hpp"
+#include "opengl/culled_in_software.hpp"
 
+#include <cstdint>
 #include <vector>
 
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/exact.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/measure/flip.hpp"
@@ -17,9 +19,12 @@
 using namespace farfield;
 using namespace farfield::test;
 using opengl::CulledByCoverage;
+using opengl::CulledInSoftware;
 using opengl::GlRenderer;
 
 static_assert(Renderer<CulledByCoverage<GlRenderer>, Triangle>);
+static_assert(Renderer<CulledInSoftware<GlRenderer>, Triangle>);
+static_assert(CulledInSoftware<GlRenderer>::facts.slices_images && CulledInSoftware<GlRenderer>::facts.shares_sources);
 
 namespace {
 
@@ -99,6 +104,40 @@ TEST_CASE("stand-ins are shaded too", "[opengl]") {
         auto plain = make_viewer(cubes, triangles, renderer);
         plain.frame(far_off);
         CHECK(flip(by_both, renderer.image()) < 0.01);
+    }
+    gl.check_clean();
+}
+
+TEST_CASE("deposits hide what stands in behind them", "[opengl]") {
+    OpenGl gl;
+    if (!gl) return;
+    {
+        // Too small for geometry to hide any.
+        const std::vector<Triangle> triangles = walls(40, 24);
+        const auto tensors = build<SpatialHierarchy<Octree, OpacityTensor, TriangleCount>>(triangles);
+        View far_off = view;
+        far_off.camera = Camera::perspective({9, 12, 180}, {0, 0, -20}, {0, 1, 0}, 0.2f);
+        far_off.tolerance_px = 1.5f;
+        for (const int samples : {1, 4}) {
+            GlRenderer alone({.samples = samples}), shading({.samples = samples});
+            CulledInSoftware culled(shading, ZBufferOptions{.samples = samples});
+            auto plain = make_viewer(tensors, triangles, alone);
+            auto viewer = make_viewer(tensors, triangles, culled);
+            const std::uint64_t all = plain.frame(far_off).splats;
+            viewer.frame(far_off);
+            INFO(samples << " samples, " << all << " splats, of which come " << culled.stats().stand_ins
+                         << " and are seen " << culled.stats().seen);
+            CHECK(culled.stats().seen > 0);
+            CHECK(culled.stats().seen < all / 2);
+            CHECK(culled.stats().seen <= culled.stats().stand_ins);
+            CHECK(flip(shading.image(), alone.image()) < 0.005);
+            // What is drawn exactly is not drawn twice, and nothing is missing.
+            View exactly = far_off;
+            exactly.tolerance_px = 0;
+            plain.frame(exactly);
+            CHECK(viewer.frame(exactly).cells_hidden == 0);
+            CHECK(shading.image() == alone.image());
+        }
     }
     gl.check_clean();
 }
