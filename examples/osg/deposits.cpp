@@ -158,8 +158,8 @@ void Deposits::draw(osg::RenderInfo& info) {
     osg::State& state = *info.getState();
     const osg::GLExtensions& gl = *state.get<osg::GLExtensions>();
     const osg::Viewport& viewport = *state.getCurrentViewport();
-    viewport_->set(osg::Vec4(osg::Vec2(viewport.x(), viewport.y()), 0, 0) +
-                   osg::Vec4(0, 0, float(viewport.width()), float(viewport.height())));
+    viewport_->set(
+        osg::Vec4(float(viewport.x()), float(viewport.y()), float(viewport.width()), float(viewport.height())));
     fit(int(viewport.x() + viewport.width()), int(viewport.y() + viewport.height()));
 
     GLint window = 0;

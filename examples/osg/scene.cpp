@@ -74,7 +74,7 @@ class Scene::Reader {
         if (dynamic_cast<osg::Sequence*>(&node)) refuse("time chooses among its children");
         if (dynamic_cast<osg::AutoTransform*>(&node) || dynamic_cast<osg::Billboard*>(&node))
             refuse("it turns to the eye, and stand-ins do not");
-        if (const osg::Drawable* drawable = node.asDrawable()) {
+        if (node.asDrawable() != nullptr) {
             const osg::Geometry* geometry = node.asGeometry();
             if (geometry == nullptr) refuse("it is drawn, but no osg::Geometry, whose triangles could be read");
             add(*geometry, to_body, states, body);
