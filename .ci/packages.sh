@@ -1,4 +1,4 @@
-# Sourced by tests/run.sh, examples/run.sh, examples/view.sh, bench/run.sh and .ci/run: what a bare Debian 12 needs.
+# Sourced by tests/run.sh, examples/run.sh, examples/view.sh, examples/osg/run.sh, bench/run.sh and .ci/run: what a bare Debian 12 needs.
 
 farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev zlib1g-dev libstb-dev libcli11-dev
     nlohmann-json3-dev libcurl4-openssl-dev)

@@ -19,6 +19,7 @@ constexpr double spacing_m = 8, height_m = 10;
 
 void draws_from_buffers(osg::Geometry& geometry) {
     geometry.setUseDisplayList(false);
+    geometry.setUseVertexBufferObjects(false);  // so that new arrays get buffers, too
     geometry.setUseVertexBufferObjects(true);
 }
 
@@ -146,15 +147,19 @@ osg::ref_ptr<osg::Group> Forest::with_impostors() const {
     });
 }
 
-osg::ref_ptr<osg::Group> Forest::with_far_field(float tolerance_px) const {
+osg::ref_ptr<osg::Group> Forest::with_far_field(osg::ref_ptr<FarDrawable> trees) const {
+    osg::ref_ptr<osg::Group> root = new osg::Group;
+    root->addChild(ground_);
+    root->addChild(trees);
+    return root;
+}
+
+osg::ref_ptr<FarDrawable> Forest::far_field(float tolerance_px) const {
     const osg::ref_ptr<osg::Group> trees = plain();
     trees->removeChild(ground_);
     osg::ref_ptr<FarDrawable> drawable = new FarDrawable(std::make_shared<Scene>(*trees));
     drawable->tolerance_px = tolerance_px;
-    osg::ref_ptr<osg::Group> root = new osg::Group;
-    root->addChild(ground_);  // osg draws it, as all else that a program has
-    root->addChild(drawable);
-    return root;
+    return drawable;
 }
 
 }  // namespace far_osg

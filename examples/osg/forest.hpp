@@ -32,7 +32,9 @@ class Forest {
     osg::ref_ptr<osg::Group> with_levels() const;
     /// Each tree an osgSim::Impostor, whose image may be off by so many pixels.
     osg::ref_ptr<osg::Group> with_impostors() const;
-    osg::ref_ptr<osg::Group> with_far_field(float tolerance_px) const;
+    /// All trees in one drawable, and ground, which osg draws as it draws all else.
+    osg::ref_ptr<osg::Group> with_far_field(osg::ref_ptr<FarDrawable> trees) const;
+    osg::ref_ptr<FarDrawable> far_field(float tolerance_px) const;
 
     /// The triangles in all trees.
     std::size_t triangles() const;

@@ -17,18 +17,20 @@ class Stage {
     /// Throws std::runtime_error, one line, where there is no display or no OpenGL 3.0.
     Stage(osg::ref_ptr<osg::Node> scene, int width, int height);
 
+    ~Stage();
+
     /// In milliseconds, from the first call to the end of glFinish.
     double frame(const Eye& eye);
     /// Of the last frame; opaque.
-    farfield::Image picture();
+    const farfield::Image& picture() const;
     /// Its mean over squares of pixels.
-    farfield::Image mean_picture(int side);
+    farfield::Image mean_picture(int side) const;
 
   private:
     class Finish;
     osg::ref_ptr<osg::GraphicsContext> context_;
+    osg::ref_ptr<Finish> finish_;
     osgViewer::Viewer viewer_;
-    int width_, height_;
 };
 
 }  // namespace far_osg

@@ -96,7 +96,7 @@ TEST_CASE("a forest is drawn by stand-ins, which look like it and hide behind wh
     Stage fine(forest.plain(), width * side, height * side);
     fine.frame(eye);
     const farfield::Image reference = fine.mean_picture(side);
-    Stage plain(forest.plain(), width, height), far_field(forest.with_far_field(2), width, height);
+    Stage plain(forest.plain(), width, height), far_field(forest.with_far_field(forest.far_field(2)), width, height);
     plain.frame(eye);
     far_field.frame(eye);
     const double plain_flip = farfield::flip(plain.picture(), reference);
