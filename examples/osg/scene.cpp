@@ -141,11 +141,10 @@ class Scene::Reader {
             for (const std::uint32_t i : corner) {
                 if (i >= count)
                     refuse("an index is " + std::to_string(i) + ", of " + std::to_string(count) + " vertices");
+                const glm::dvec3 v = mesh.vertex(i);
+                if (!std::isfinite(v.x + v.y + v.z)) refuse("vertex " + std::to_string(i) + " is not finite");
             }
-            const MeshTriangle triangle{&mesh, corner};
-            if (!triangle.bounds().is_finite())
-                refuse("vertex " + std::to_string(corner[0]) + " or a neighbor is not finite");
-            body.triangles.push_back(triangle);
+            body.triangles.push_back({&mesh, corner});
         }
     }
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <osg/AutoTransform>
+#include <osg/Drawable>
 #include <osg/LOD>
 #include <osg/MatrixTransform>
-#include <osg/ShapeDrawable>
 #include <osg/Switch>
 #include <osg/Texture2D>
 #include <stdexcept>
@@ -143,7 +143,7 @@ TEST_CASE("a scene of very many tiny geometries is read, each a mesh of its own"
 TEST_CASE("what stand-ins cannot show is refused, and the node named") {
     check_refused(*new osg::LOD, "distance");
     check_refused(*new osg::AutoTransform, "turns to the eye");
-    check_refused(*new osg::ShapeDrawable(new osg::Sphere), "osg::Geometry");
+    check_refused(*new osg::Drawable, "osg::Geometry");
     osg::ref_ptr<osg::MatrixTransform> absolute = new osg::MatrixTransform;
     absolute->setReferenceFrame(osg::Transform::ABSOLUTE_RF);
     check_refused(*absolute, "relative");
