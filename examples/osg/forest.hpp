@@ -13,8 +13,8 @@
 namespace far_osg {
 
 struct ForestOptions {
-    int trees_a_side = 20;
-    unsigned triangles_a_tree = 10'000;
+    int trees_a_side = 16;
+    unsigned triangles_a_tree = 20'000;
     int kinds = 3;
 };
 

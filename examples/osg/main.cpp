@@ -22,8 +22,8 @@ namespace {
 
 struct Options {
     far_osg::ForestOptions forest;
-    int width = 640, height = 360, frames = 16, compared = 4, warm_up = 2;
-    float tolerance_px = 1;
+    int width = 640, height = 360, frames = 8, compared = 4, warm_up = 2;
+    float tolerance_px = 6;
     std::string out;
 };
 
