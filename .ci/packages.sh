@@ -1,4 +1,4 @@
-# Sourced by tests/run.sh, examples/run.sh, examples/view.sh, bench/run.sh and .ci/run: what a bare Debian 12 needs.
+# Sourced by tests/run.sh, examples/run.sh, examples/view.sh, examples/web.sh, bench/run.sh and .ci/run: what a bare Debian 12 needs.
 
 farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev zlib1g-dev libstb-dev libcli11-dev
     nlohmann-json3-dev libcurl4-openssl-dev)
@@ -6,6 +6,9 @@ farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev zlib1g-dev 
 farfield_chart_packages=(gnuplot-nox)
 # For examples/view.sh: a window and what draws in it, and OpenGL without a GPU.
 farfield_viewer_packages=(libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libegl-mesa0 libgl-dev libgl1-mesa-dri)
+# For examples/web.sh: a web server; and a browser for its --check (400 MB). It takes npm too, where there is none.
+farfield_web_packages=(python3)
+farfield_browser_packages=(chromium)
 # For .ci/run: a second compiler, formatting, the reference; ccache makes the next run short.
 farfield_check_packages=(clang libclang-rt-14-dev clang-format-14 doxygen ccache nginx-light libzstd-dev xvfb
     xdotool)
