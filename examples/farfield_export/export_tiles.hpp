@@ -2,8 +2,8 @@
 //
 // A tile belongs to a cell. Where stand-ins replace what they stand for (REPLACE) its content is a cut through the
 // cell's subtree, chosen as frames choose one, the largest error first, until it is as large as a tile may be; its
-// children are the tiles of the cell's children. Where cells hold samples (ADD; Klein et al. 2002) a tile holds those of
-// the cells some levels below its own, so that every primitive is in one tile and what has been loaded stays.
+// children are the tiles of the cell's children. Where cells hold samples (ADD; Klein et al. 2002) a tile holds those
+// of the cells some levels below its own, so that every primitive is in one tile and what has been loaded stays.
 //
 // `geometricError` is the largest error of what the tile shows, as a length: the errors that stand-ins were built with,
 // in a parallel view in which one unit is one pixel. A viewer divides it by the distance to the tile's box, which holds
@@ -140,8 +140,7 @@ class TilesetExport {
             // No child's tile holds what lies in the cell itself, and it is replaced with the rest.
             Found own = look([&](const farfield::Subtree& s) {
                 Found out;
-                add_run(hierarchy_.nodes()[s.node].first_item, farfield::end_of_own_run(hierarchy_, s),
-                        out.content);
+                add_run(hierarchy_.nodes()[s.node].first_item, farfield::end_of_own_run(hierarchy_, s), out.content);
                 return out;
             });
             add_child(tile, begin_tile(own, "o"));
@@ -283,8 +282,8 @@ class TilesetExport {
     }
 
     void add_run(std::uint32_t first, std::uint32_t end, TileContent& content) const {
-        const auto source = farfield::Source<P>{primitives(), hierarchy_.order(), hierarchy_.item_count(),
-                                                hierarchy_.origin(), 0, hierarchy_.fragments()};
+        const auto source = farfield::Source<P>{
+            primitives(), hierarchy_.order(), hierarchy_.item_count(), hierarchy_.origin(), 0, hierarchy_.fragments()};
         for (std::uint32_t position = first; position < end; ++position) {
             const std::size_t before = content.surfaces.positions.size();
             source.polygons(position, [&](const farfield::Polygon& polygon) { content.surfaces.add(polygon); });
@@ -338,8 +337,7 @@ class TilesetExport {
         std::uint32_t number = 0;
         const auto open = [&](auto&& self, farfield::Subtree s) -> void {
             go_to_contents(s);
-            add_run(hierarchy_.nodes()[s.node].first_item, farfield::end_of_own_run(hierarchy_, s),
-                    found.content);
+            add_run(hierarchy_.nodes()[s.node].first_item, farfield::end_of_own_run(hierarchy_, s), found.content);
             for_each_child(s, [&](farfield::Subtree& child) {
                 if (!child.has_stand_in()) return self(self, child);
                 const std::uint64_t items = items_in(child);

@@ -54,7 +54,7 @@ struct PrincipalAxes {
 inline PrincipalAxes principal_axes(glm::mat3 m) {
     glm::mat3 axes(1);
     for (int sweep = 0; sweep < 6; ++sweep) {
-        for (const auto [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
+        for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
             const float off = m[p][q];
             if (std::abs(off) <= 1e-7f * (std::abs(m[p][p]) + std::abs(m[q][q]))) continue;
             const float theta = (m[q][q] - m[p][p]) / (2 * off);
@@ -118,6 +118,7 @@ struct GaussianOptions {
 /// The splat of a stored tensor. An opacity of 0: it shows nothing.
 inline GaussianSplat gaussian_of(const farfield::OpacityTensor& policy, const farfield::StoredTensor& data,
                                  const farfield::Cell& cell, const GaussianOptions& options = {}) {
+    if (data == farfield::StoredTensor{}) return {};
     const farfield::TensorAppearance look{data.unpacked(), policy.closed_surfaces, policy.counts_overlap};
     const auto& root = look.shape.root;  // xx, yx, zx, yy, zy, zz
     const glm::mat3 lower{root[0], root[1], root[2], 0, root[3], root[4], 0, 0, root[5]};

@@ -127,9 +127,8 @@ void run(const Request& request) {
     std::filesystem::create_directories(request.folder);
     if (is_page_file(request.scene)) {
         if (request.draws) throw std::invalid_argument("--pictures are drawn of scenes in memory, not of pages");
-        const bool known = farfield::scenes::any_paged_variant([&](auto type, std::string_view) {
-            return export_pages<typename decltype(type)::type>(request);
-        });
+        const bool known = farfield::scenes::any_paged_variant(
+            [&](auto type, std::string_view) { return export_pages<typename decltype(type)::type>(request); });
         if (!known) throw std::invalid_argument(request.scene + ": is not a file of pages that farfield_build made");
         return;
     }

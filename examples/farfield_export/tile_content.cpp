@@ -146,7 +146,8 @@ class GlbWriter {
         json attributes;
         attributes["POSITION"] = add_positions(centers);
         const std::string name = "KHR_gaussian_splatting:";
-        attributes[name + "ROTATION"] = each([](const auto& s) { return s.rotation; }, "VEC4", std::vector<glm::vec4>());
+        attributes[name + "ROTATION"] =
+            each([](const auto& s) { return s.rotation; }, "VEC4", std::vector<glm::vec4>());
         attributes[name + "SCALE"] = each([](const auto& s) { return s.scale; }, "VEC3", std::vector<glm::vec3>());
         attributes[name + "OPACITY"] = each([](const auto& s) { return s.opacity; }, "SCALAR", std::vector<float>());
         attributes[name + "SH_DEGREE_0_COEF_0"] =
