@@ -32,9 +32,13 @@ tiles.group.updateMatrixWorld(true);
 // ---- what is shown
 
 const shown = new Set(), size = new Vector2();
-let changed = true, firstPicture = null, failures = [];
-tiles.addEventListener('load-model', ({ scene: model }) => {
-    model.parent ?? tiles.group.add(model);
+let changed = true, firstPicture = null, quietFrames = 0;
+const failures = [];
+/** Takes splats and faces with opacities out of a tile's model. */
+function prepare(model) {
+    if (model.userData.splats) return;
+    const parent = model.parent;
+    model.parent = tiles.group;
     model.updateMatrixWorld(true);
     model.userData.splats = [];
     model.userData.faces = [];
@@ -49,9 +53,12 @@ tiles.addEventListener('load-model', ({ scene: model }) => {
             model.userData.faces.push(object);
         }
     });
-});
+    model.parent = parent;
+}
+tiles.addEventListener('load-model', ({ scene: model }) => prepare(model));
 tiles.addEventListener('tile-visibility-change', ({ scene: model, visible }) => {
     if (!model) return;
+    prepare(model);
     visible ? shown.add(model) : shown.delete(model);
     changed = true;
 });
@@ -99,6 +106,8 @@ function draw() {
     sortFaces([...shown].flatMap(m => m.userData.faces), camera);
     renderer.render(scene, camera);
     if (shown.size > 0 && firstPicture === null) firstPicture = performance.now();
+    const { queued, downloading, parsing } = tiles.stats;
+    quietFrames = shown.size > 0 && queued + downloading + parsing === 0 ? quietFrames + 1 : 0;
 }
 
 // ---- for people, and for check.mjs
@@ -145,7 +154,7 @@ window.farfield = {
     state: () => ({
         visible: shown.size, splats: splats.count, failures, firstPicture,
         triangles: renderer.info.render.triangles, points: renderer.info.render.points,
-        busy: changed || tiles.stats.downloading + tiles.stats.parsing + (tiles.stats.queued ?? 0) > 0 || tiles.loadProgress < 1,
+        quietFrames,
     }),
 };
 resize();
