@@ -27,7 +27,7 @@ std::vector<NamedView> views_of(const farfield::BoxD& box) {
         view.height = height;
         return NamedView{name, view};
     };
-    return {from("far", 8 * radius / tangent), from("whole", 1.05 * radius / std::sin(0.5 * double(fov))),
+    return {from("far", 16 * radius / tangent), from("whole", 1.05 * radius / std::sin(0.5 * double(fov))),
             from("near", 0.9 * radius)};
 }
 

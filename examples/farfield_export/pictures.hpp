@@ -16,7 +16,7 @@ struct NamedView {
     farfield::View view;
 };
 
-/// Of a scene in this box, in the user's coordinates, y up: `far`, where it takes an eighth of the picture's height,
+/// Of a scene in this box, in the user's coordinates, y up: `far`, where it takes a sixteenth of the picture's height,
 /// `whole`, and `near`, from beside it. They are drawn within a tolerance of one pixel.
 std::vector<NamedView> views_of(const farfield::BoxD& box);
 
