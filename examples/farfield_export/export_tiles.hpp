@@ -47,8 +47,8 @@ struct ExportOptions {
     std::size_t tile_size = 8192;
     /// Levels between the cell of a tile and the cells whose samples it holds (ADD).
     unsigned sample_levels = 4;
-    /// Points along with triangles (ADD): what a tile shows from as far as its children are not loaded is smaller than
-    /// pixels.
+    /// Points along with triangles (ADD), in tiles that have children: what is shown while these are not is smaller
+    /// than pixels, and the rest is missing. A viewer had better hide them where children are shown.
     bool adds_points = true;
     /// Tiles that one JSON file holds, more or less; others lie in files of their own that a viewer loads as it goes.
     std::size_t tiles_in_file = 512;
@@ -386,6 +386,9 @@ class TilesetExport {
         descend(descend, whole, options_.sample_levels);
         if (items <= options_.tile_size) {
             for (const farfield::Subtree& s : lowest) add_all(s, found.content);
+            // Nothing is missing that points would have to make up for.
+            found.content.points.clear();
+            found.content.point_colors.clear();
             return found;
         }
         found.children = hierarchy_.nodes()[whole.node].child_mask;

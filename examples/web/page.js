@@ -45,7 +45,7 @@ function prepare(model) {
     model.traverse(object => {
         if (object.isPoints) {
             const data = splatsOf(object);
-            if (!data) return;
+            if (!data) { model.userData.points = object; return; }
             object.visible = false;
             model.userData.splats.push(data);
         } else if (object.isMesh && object.material.transparent) {
@@ -99,6 +99,10 @@ function draw() {
     camera.updateMatrixWorld();
     tiles.update();
     if (changed) {
+        // Points stand for what children's triangles show.
+        for (const { userData: { points, tile } } of shown) {
+            if (points) points.visible = !tile.children.some(child => tiles.visibleTiles.has(child));
+        }
         splats.show([...shown].flatMap(m => m.userData.splats));
         changed = false;
     }
