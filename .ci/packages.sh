@@ -1,4 +1,4 @@
-# Sourced by tests/run.sh, examples/run.sh, examples/view.sh, examples/osg/run.sh, bench/run.sh and .ci/run: what a bare Debian 12 needs.
+# Sourced by all run.sh, examples/view.sh, examples/web.sh and .ci/run: what a bare Debian 12 needs.
 
 farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev zlib1g-dev libstb-dev libcli11-dev
     nlohmann-json3-dev libcurl4-openssl-dev)
@@ -8,6 +8,9 @@ farfield_chart_packages=(gnuplot-nox)
 farfield_viewer_packages=(libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libegl-mesa0 libgl-dev libgl1-mesa-dri)
 # For examples/osg: an engine, and a display that nobody sees.
 farfield_osg_packages=(libopenscenegraph-dev libgl-dev libgl1-mesa-dri xvfb xauth)
+# For examples/web.sh: a web server; and a browser for its --check (400 MB). It takes npm too, where there is none.
+farfield_web_packages=(python3)
+farfield_browser_packages=(chromium)
 # For .ci/run: a second compiler, formatting, the reference; ccache makes the next run short.
 farfield_check_packages=(clang libclang-rt-14-dev clang-format-14 doxygen ccache nginx-light libzstd-dev xvfb
     xdotool)

@@ -137,7 +137,7 @@ struct BasicGapBsp {
         const auto any = [](const CuttingPlane&) { return true; };
         if (!find_plane(cell, items.size(), extents, any, data.plane)) return Split::inseparable;
         std::array<Box, 2> boxes{Box::empty(), Box::empty()};
-        [[maybe_unused]] const detail::SidesOfPlane sides(cell, data.plane);
+        [[maybe_unused]] const detail::SidesInCell sides(cell, data.plane);
         for (const Item& item : items) {
             if constexpr (is_shared) {
                 for (const unsigned side : {behind, in_front}) {
@@ -175,7 +175,7 @@ struct BasicGapBsp {
                 const detail::Extent e = detail::HeightsInCell(data.plane.normal, cell).of(item.bounds);
                 give(e.lower + e.upper < 2 * data.plane.offset ? behind : in_front);
             }
-        } else if (const int side = detail::SidesOfPlane(cell, data.plane).side_of(item.bounds); side >= 0) {
+        } else if (const int side = detail::SidesInCell(cell, data.plane).side_of(item.bounds); side >= 0) {
             give(unsigned(side));
         } else {
             give.keep();

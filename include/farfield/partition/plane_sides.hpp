@@ -58,9 +58,9 @@ class HeightsInCell {
 
 /// The side of a plane that a thing stored once goes to: 0 behind it, 1 in front, or -1 where it is too long for
 /// either.
-class SidesOfPlane {
+class SidesInCell {
   public:
-    SidesOfPlane(const Cell& cell, const CuttingPlane& plane)
+    SidesInCell(const Cell& cell, const CuttingPlane& plane)
         : heights_(plane.normal, cell), offset_(plane.offset), longest_(glm::dot(glm::abs(plane.normal), cell.half)) {}
 
     int side_of(const Box& box) const {

@@ -161,13 +161,13 @@ class FarSamples {
             for (int word = x0 >> 6; word <= x1 >> 6; ++word) {
                 const int first = word * 64;
                 // Most of what lies deep in a wood meets closed samples only.
-                std::uint64_t left =
+                std::uint64_t asked =
                     row.bits[word].open & bits_between(std::max(x0 - first, 0), std::min(x1 - first, 63));
-                if (left != 0) left = depths.farther(y, first, left, [q](int) { return q; });
-                if (left == 0) continue;
+                if (asked != 0) asked = depths.farther(y, first, asked, [q](int) { return q; });
+                if (asked == 0) continue;
                 const auto rows = at.rows(y + first_row);
-                for (; left != 0; left &= left - 1) {
-                    const int x = first + std::countr_zero(left);
+                for (; asked != 0; asked &= asked - 1) {
+                    const int x = first + std::countr_zero(asked);
                     row.split(x, q);
                     if (deposit.into(row.samples[x], row.lanes[x], at.columns(x + first_column), rows)) row.close(x);
                 }
