@@ -25,7 +25,7 @@
 
 #include "export_tiles.hpp"
 #include "farfield/build.hpp"
-#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "pictures.hpp"

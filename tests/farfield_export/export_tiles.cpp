@@ -13,7 +13,7 @@
 
 #include "catch.hpp"
 #include "farfield/build.hpp"
-#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/paging/write_pages.hpp"
 #include "scenes/paged_variants.hpp"
 #include "support/temporary_directory.hpp"
