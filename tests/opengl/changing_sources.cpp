@@ -14,7 +14,7 @@
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/measure/flip.hpp"
-#include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/paging/open_pages.hpp"
 #include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
