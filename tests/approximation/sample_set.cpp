@@ -184,30 +184,6 @@ TEST_CASE("cells are finer where their samples are drawn, and nowhere else", "[a
     CHECK(stops(1) < stops(64));
 }
 
-TEST_CASE("sample trees whose stand-ins replace few primitives are drawn as they are, unless they fade",
-          "[approximation]") {
-    const Triangles triangles = sheet({0.31f, -1, -1}, {0, 2, 0}, {0, 0, 2}, 120, 120, {200, 120, 40});
-    const Tensors h = build<Tensors>(triangles);
-    ZBufferRenderer renderer;
-    auto viewer = make_viewer(h, triangles, renderer);
-    View view = looking({5, 1, 0.5}, {}, 256, 1);  // some 160 pixels wide: one triangle a pixel
-    const FrameStats stats = viewer.frame(view);
-    CHECK(stats.is_exact());
-    CHECK(stats.primitives == triangles.size());
-    CHECK(stats.cells_cheaper > 0);
-    CHECK(stats.cells_visited < 100);
-    const Image drawn = renderer.image();
-    view.tolerance_px = 0;
-    CHECK(drawn == picture(h, triangles, view, 1));
-    view.tolerance_px = 1;
-    view.fade = 0.5f;
-    CHECK(viewer.frame(view).cells_cheaper == 0);
-    // Those of large cells do pay.
-    view.fade = 0;
-    view.tolerance_px = 8;
-    CHECK(viewer.frame(view).approximations > 0);
-}
-
 TEST_CASE("sample sets whose options make no sense are refused by name", "[approximation]") {
     CHECK(std::string(SampleSet<>{.c = 0}.wrong_option()) == "SampleSet: c must lie above 0 and at most at 1000");
     CHECK(SampleSet<>{.c = NAN}.wrong_option() != nullptr);

@@ -165,14 +165,7 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         const std::uint32_t* const left = words + Inner::words_placed * detail::placed_stride;
         inner.draw_placed(words, count, view, [&](const Splat& splat, std::size_t i) {
             if (left[i] == 0) return;
-            const auto send = [&](const Splat& rest) {
-                if constexpr (requires { sink(rest, i); }) {
-                    sink(rest, i);
-                } else {
-                    sink(rest);
-                }
-            };
-            Rest<decltype(send)>{send, 0, 1 - float(left[i]) / 65535}(splat);
+            Rest<std::remove_reference_t<Sink>>{sink, 0, 1 - float(left[i]) / 65535}(splat);
         });
     }
 

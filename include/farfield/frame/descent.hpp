@@ -182,7 +182,7 @@ class Descent {
         if (!PagedAtRunTime<typename V::hierarchy_type> && is_hidden(v, subtree, items)) return;
         if constexpr (V::hierarchy_type::approximation_type::facts.stands_in && may_draw_whole<V> &&
                       !PagedAtRunTime<typename V::hierarchy_type>) {
-            if (is_cheaper_exactly(v, subtree) || (!Cut::is_limited && stand_ins_do_not_pay(v, subtree))) {
+            if (is_cheaper_exactly(v, subtree)) {
                 ++stats_.cells_cheaper;
                 draw_whole(v, subtree, node, law);
                 return;
@@ -328,9 +328,7 @@ class Descent {
         std::size_t next_instance = own_instances;
         for_each_child<traversal_order<typename V::hierarchy_type, R>>(
             h, subtree, v.view.viewpoint(), [&](Subtree& child) {
-                if constexpr (PrimitiveWithInstance<typename V::primitive_type>) {
-                    next_instance = draw_gathered(v, next_instance, order_key(v, child.cell.bounds_center));
-                }
+                next_instance = draw_gathered(v, next_instance, order_key(v, child.cell.bounds_center));
                 tell_what_is_left_out(v, subtree, child, sampled);
                 visit(v, child, law);
             });

@@ -26,7 +26,7 @@ namespace farfield {
 /// Runs and stand-ins keep their order among one another: otherwise the picture would depend on where batches end, and
 /// with it on what else is drawn. For the same reason runs with a law are never made one: a renderer may deposit what
 /// is small in a run before it draws the rest. Runs without a law are, and change places among themselves where the
-/// renderer takes any order. Runs wait among placed stand-ins, which are looked at together and drawn in turns.
+/// renderer takes any order.
 template <class R>
 class DrawQueue {
   public:
@@ -63,16 +63,15 @@ class DrawQueue {
     void add_run(const Source<P>& source, std::uint32_t first, std::uint32_t end, std::optional<AreaLaw> law) {
         if (first == end) return;
         stats_.primitives += end - first;
-        if (splat_count_ + face_count_ != 0) flush(source);
+        if (placed_count_ + splat_count_ + face_count_ != 0) flush(source);
         if (law) in_order_ = true;
-        if (range_count_ != 0 && !law && placed_before_range_[range_count_ - 1] == placed_count_) {
+        if (range_count_ != 0 && !law) {
             Range& last = ranges_[range_count_ - 1];
             if (last.first + last.count == first && !last.law) {
                 last.count += end - first;
                 return;
             }
         }
-        placed_before_range_[range_count_] = std::uint16_t(placed_count_);
         ranges_[range_count_++] = {first, end - first, law};
         if (range_count_ == batch) flush(source);
     }
@@ -110,10 +109,7 @@ class DrawQueue {
             draw_placed_ = [](DrawQueue& queue) {
                 static_cast<const A*>(queue.placed_policy_)
                     ->draw_placed(queue.placed_.data(), std::exchange(queue.placed_count_, 0), *queue.placed_view_,
-                                  [&](const Splat& splat, std::size_t i) {
-                                      queue.place_of_splat_[queue.splat_count_] = std::uint16_t(i);
-                                      queue.splats_[queue.splat_count_++] = splat;
-                                  });
+                                  [&](const Splat& splat) { queue.splats_[queue.splat_count_++] = splat; });
             };
         }
         policy.place(data, cell, placed_.data() + placed_count_);
@@ -122,25 +118,22 @@ class DrawQueue {
 
     template <class P>
     void flush(const Source<P>& source) {
-        std::size_t next_range = 0, next_splat = 0;
+        if (range_count_ != 0) {
+            if constexpr (R::facts.order == VisitOrder::any) {
+                if (!std::exchange(in_order_, false)) merge_ranges();
+            }
+            stats_.runs += range_count_;
+            renderer_.draw(source, std::span<const Range>(ranges_.data(), std::exchange(range_count_, 0)));
+        }
         if constexpr (R::facts.draws_splats) {
             if (placed_count_ != 0) {
                 draw_placed_(*this);
                 stats_.splats += splat_count_;
-                while (next_range < range_count_) {
-                    const std::uint16_t before = placed_before_range_[next_range];
-                    std::size_t end_splat = next_splat, end_range = next_range + 1;
-                    while (end_splat < splat_count_ && place_of_splat_[end_splat] < before) ++end_splat;
-                    while (end_range < range_count_ && placed_before_range_[end_range] == before) ++end_range;
-                    draw_splats(std::exchange(next_splat, end_splat), end_splat);
-                    draw_ranges(source, std::exchange(next_range, end_range), end_range);
-                }
+            }
+            if (splat_count_ != 0) {
+                renderer_.draw(std::span<const Splat>(splats_.data(), std::exchange(splat_count_, 0)));
             }
         }
-        draw_ranges(source, next_range, range_count_);
-        range_count_ = 0;
-        in_order_ = false;
-        if constexpr (R::facts.draws_splats) draw_splats(next_splat, std::exchange(splat_count_, 0));
         if constexpr (R::facts.draws_faces) {
             if (face_count_ != 0) renderer_.draw(std::span<const Face>(faces_.data(), std::exchange(face_count_, 0)));
         }
@@ -169,23 +162,9 @@ class DrawQueue {
         Face face;
     };
 
-    template <class P>
-    void draw_ranges(const Source<P>& source, std::size_t begin, std::size_t end) {
-        if (begin == end) return;
-        if constexpr (R::facts.order == VisitOrder::any) {
-            if (!in_order_) end = merge_ranges(begin, end);
-        }
-        stats_.runs += end - begin;
-        renderer_.draw(source, std::span<const Range>(ranges_.data() + begin, end - begin));
-    }
-    void draw_splats(std::size_t begin, std::size_t end) {
-        if (begin != end) renderer_.draw(std::span<const Splat>(splats_.data() + begin, end - begin));
-    }
-
-    /// Cells come front to back, which tears neighbors in memory apart; the renderer does not mind their order. Returns
-    /// where the merged ranges end.
-    std::size_t merge_ranges(std::size_t first, std::size_t last_one) {
-        const auto begin = ranges_.begin() + std::ptrdiff_t(first), end = ranges_.begin() + std::ptrdiff_t(last_one);
+    /// Cells come front to back, which tears neighbors in memory apart; the renderer does not mind their order.
+    void merge_ranges() {
+        const auto begin = ranges_.begin(), end = begin + std::ptrdiff_t(range_count_);
         std::sort(begin, end, [](Range a, Range b) { return a.first < b.first; });
         auto last = begin;
         for (auto r = begin + 1; r != end; ++r) {
@@ -195,15 +174,13 @@ class DrawQueue {
                 *++last = *r;
             }
         }
-        return std::size_t(last - ranges_.begin()) + 1;
+        range_count_ = std::size_t(last - begin) + 1;
     }
 
     R& renderer_;
     FrameStats& stats_;
     std::array<Range, batch> ranges_;
-    std::array<std::uint16_t, batch> placed_before_range_;  ///< how many stand-ins were placed before each range
     std::array<Splat, batch> splats_;
-    std::array<std::uint16_t, batch> place_of_splat_;  ///< which of those that were placed it is, if any was
     std::array<Face, batch> faces_;
     std::array<std::uint32_t, batch * detail::most_words_placed> placed_{};  ///< word by word
     const void* placed_policy_ = nullptr;                                    ///< the approximation that placed them

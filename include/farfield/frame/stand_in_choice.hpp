@@ -187,27 +187,4 @@ bool is_cheaper_exactly(const E& e, const Subtree& subtree) {
     return cost() >= most;
 }
 
-/// Whether the stand-ins of a subtree, down to cells as small as the tolerance, cost more than its primitives by the
-/// build's own prices. The build keeps no stand-in that does not pay; but a sample tree keeps cells of few primitives
-/// all the same, for tolerances of many pixels, and where these are met a frame visits all cells to draw most of the
-/// primitives. For three cells that are drawn four are visited. Not asked within two levels of the tolerance, for the
-/// cells above have answered, nor where stand-ins fade or change one by one, as a subtree changes all at once.
-template <class E>
-bool stand_ins_do_not_pay(const E& e, const Subtree& subtree) {
-    using H = typename E::hierarchy_type;
-    if constexpr (!H::approximation_type::facts.samples_primitives) return false;
-    if (e.view.fade > 0 || e.view.tolerance_jitter > 0 || !(e.view.tolerance_px > 0)) return false;
-    const float times = side_px(e, subtree) / e.view.tolerance_px;
-    if (!(times >= 4)) return false;
-    const auto& h = e.hierarchy;
-    const Node& node = h.nodes()[subtree.node];
-    const std::uint32_t items = subtree.end_item - node.first_item;
-    if (node.child_mask == 0 || (subtree.crossed_planes != 0 && items > max_items_unculled)) return false;
-    constexpr float levels_a_halving = H::partition_type::facts.children_are_octants ? 1 : 3;
-    const float cells_log2 = levels_a_halving * log2_of_growth(h, subtree) * rough_log2(times);
-    const float stand_ins =
-        rough_exp2(std::min(cells_log2, 60.0f)) * h.cost_policy().cost({.splats = 1, .cells = 4.0f / 3});
-    return h.cost_policy().cost({.triangles = float(items), .runs = 1}) <= stand_ins;
-}
-
 }  // namespace farfield::detail

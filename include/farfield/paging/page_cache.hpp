@@ -51,7 +51,7 @@ class PageCache {
           cancel_(std::move(cancel)),
           threads_wanted_(options.loads_in_background ? std::max(merging.most_reads_at_once, 1u) : 0),
           room_(where_, places, options.most_bytes, threads_wanted_, merging.largest_read),
-          slots_(places.page_count, room_.slots()),
+          slots_(places.page_count, room_.slot_count()),
           memory_(std::make_unique_for_overwrite<Line[]>(room_.page_bytes() / sizeof(Line) + 1)),
           attempts_(places.page_count, options.first_retry, options.longest_retry) {
         std::vector<std::byte> no_buffer;
@@ -92,7 +92,7 @@ class PageCache {
 
     // Of those who look at pages (page_user.hpp).
 
-    PageSlots& slots() { return slots_; }
+    PageSlots& page_slots() { return slots_; }
     void add(KnownUser& user) {
         const std::lock_guard lock(mutex_);
         demand_.add(user);

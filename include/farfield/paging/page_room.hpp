@@ -34,17 +34,17 @@ class PageRoom {
         pages_a_read_ =
             std::uint32_t(std::clamp<std::uint64_t>(std::min(largest_read / places.page_bytes, fit), 1, 64));
         const std::size_t fixed = bytes_of(0), one = bytes_of(1) - fixed;
-        const std::size_t slots = most_bytes < fixed ? 0 : (most_bytes - fixed) / one;
-        if (slots < std::min<std::size_t>(2, places.page_count)) {
+        const std::size_t slots_that_fit = most_bytes < fixed ? 0 : (most_bytes - fixed) / one;
+        if (slots_that_fit < std::min<std::size_t>(2, places.page_count)) {
             fail<std::invalid_argument>("farfield::open_pages: " + where + ": most_bytes is " +
                                         std::to_string(most_bytes) + ", which leaves no room for pages of " +
                                         std::to_string(places.page_bytes) + " bytes: at least " +
                                         std::to_string(fixed + 2 * one) + " are needed");
         }
-        slots_ = std::uint32_t(std::min<std::size_t>(slots, places.page_count));
+        slots_ = std::uint32_t(std::min<std::size_t>(slots_that_fit, places.page_count));
     }
 
-    std::uint32_t slots() const { return slots_; }
+    std::uint32_t slot_count() const { return slots_; }
     /// Those of the slots, which lie in a row.
     std::size_t page_bytes() const { return std::size_t(slots_) * places_.page_bytes; }
     std::uint32_t pages_a_read() const { return pages_a_read_; }
@@ -58,9 +58,9 @@ class PageRoom {
     static constexpr std::size_t alignment = 64;
 
   private:
-    std::size_t bytes_of(std::uint64_t slots) const {
-        return PageSlots::bytes(places_.page_count, slots) + PageAttempts::bytes(places_.page_count) +
-               std::size_t(slots) * places_.page_bytes + alignment + readers_ * buffer_bytes(pages_a_read_);
+    std::size_t bytes_of(std::uint64_t slot_count) const {
+        return PageSlots::bytes(places_.page_count, slot_count) + PageAttempts::bytes(places_.page_count) +
+               std::size_t(slot_count) * places_.page_bytes + alignment + readers_ * buffer_bytes(pages_a_read_);
     }
 
     PagePlaces places_;

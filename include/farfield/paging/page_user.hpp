@@ -22,7 +22,7 @@ class PageUser {
   public:
     explicit PageUser(std::shared_ptr<PageCache> cache)
         : cache_(std::move(cache)),
-          known_(cache_->slots().slot_count()),
+          known_(cache_->page_slots().slot_count()),
           asking_(cache_->places().page_count),
           entered_(cache_->places().page_count) {
         cache_->add(known_);
@@ -34,7 +34,7 @@ class PageUser {
     PageCache& cache() const { return *cache_; }
 
     void begin_frame() {
-        frame_ = cache_->slots().begin(known_.visits);
+        frame_ = cache_->page_slots().begin(known_.visits);
         asking_.begin(frame_);
     }
     /// What was not found replaces what the frame before wanted.
@@ -49,7 +49,7 @@ class PageUser {
     /// The slot of a page, which stays until the frame ends; PageSlots::none, and it is asked for.
     std::uint32_t find(std::uint32_t page, float weight) {
         weight = ordered(weight);
-        const std::uint32_t slot = cache_->slots().find(page, known_.visits, weight);
+        const std::uint32_t slot = cache_->page_slots().find(page, known_.visits, weight);
         if (slot == PageSlots::none) asking_.ask(page, weight);
         return slot;
     }
@@ -59,7 +59,7 @@ class PageUser {
     /// Loads it now, if there is room.
     std::uint32_t find_or_wait(std::uint32_t page, float weight) {
         weight = ordered(weight);
-        const std::uint32_t slot = cache_->slots().find(page, known_.visits, weight);
+        const std::uint32_t slot = cache_->page_slots().find(page, known_.visits, weight);
         if (slot != PageSlots::none) return slot;
         cache_->load_now({weight, page}, known_);
         return find(page, weight);

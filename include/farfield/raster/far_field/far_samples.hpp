@@ -158,19 +158,11 @@ class FarSamples {
         const int first_column = left_ - at.x0, first_row = top_ - at.y0;
         for (int y = y0; y <= y1; ++y) {
             const Row row = row_of(y);
-            for (int word = x0 >> 6; word <= x1 >> 6; ++word) {
-                const int first = word * 64;
-                // Most of what lies deep in a wood meets closed samples only.
-                std::uint64_t asked =
-                    row.bits[word].open & bits_between(std::max(x0 - first, 0), std::min(x1 - first, 63));
-                if (asked != 0) asked = depths.farther(y, first, asked, [q](int) { return q; });
-                if (asked == 0) continue;
-                const auto rows = at.rows(y + first_row);
-                for (; asked != 0; asked &= asked - 1) {
-                    const int x = first + std::countr_zero(asked);
-                    row.split(x, q);
-                    if (deposit.into(row.samples[x], row.lanes[x], at.columns(x + first_column), rows)) row.close(x);
-                }
+            const auto rows = at.rows(y + first_row);
+            for (int x = x0; x <= x1; ++x) {
+                if (!row.is_open(x) || q <= depths.depth(x, y)) continue;
+                row.split(x, q);
+                if (deposit.into(row.samples[x], row.lanes[x], at.columns(x + first_column), rows)) row.close(x);
             }
         }
     }

@@ -183,9 +183,9 @@ class SampleBlocks {
                 farther &= ~all;
                 continue;
             }
-            for (std::uint64_t some = wanted & all; some != 0; some &= some - 1) {
-                const int at_x = first + std::countr_zero(some);
-                if (q(at_x) <= depth(at_x, y)) farther &= ~(some & -some);
+            for (int k = 0; k < side; ++k) {
+                const std::uint64_t bit = std::uint64_t(1) << (i + k);
+                if ((wanted & bit) != 0 && q(x + k) <= depth(x + k, y)) farther &= ~bit;
             }
         }
         return farther;
