@@ -151,7 +151,6 @@ set(source "struct Mesh { std::size_t primitive_count() const { return 0; } ")
 set(sources "}; int main() { Mesh mesh; build<Cubes>(mesh); }")
 set(box "Box bounds(std::uint32_t) const { return {}; } ")
 set(polygons "void polygons(std::uint32_t, auto&&) const {} ")
-expect(no_count "CountsPrimitives" "${cubes} struct Mesh { ${box} ${polygons} ${sources}")
 expect(no_source_bounds "Box bounds(std::uint32_t i) const" "${cubes} ${source} ${polygons} ${sources}")
 expect(no_source_polygons "polygons(Sink&& sink)" "${cubes} ${source} ${box} ${sources}")
 expect(polygons_without_sink "polygons(std::uint32_t i, Sink&& sink)"
