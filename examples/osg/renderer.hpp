@@ -99,7 +99,7 @@ class Renderer {
             const std::uint32_t view = run->view;
             for (; run != runs_.end() && run->mesh == mesh && run->view == view; ++run) {
                 glDrawElements(GL_TRIANGLES, GLsizei(3 * run->count), GL_UNSIGNED_INT,
-                               static_cast<const char*>(nullptr) + 12 * std::size_t(run->first));
+                               reinterpret_cast<const void*>(12 * std::size_t(run->first)));  // bytes into its buffer
             }
         }
         leave(mesh, state);
