@@ -78,7 +78,7 @@ class Renderer {
     float largest_splat_px() const { return 64; }
     void draw(std::span<const farfield::Splat> splats) {
         for (const farfield::Splat& s : splats) {
-            deposits_.add({osg::Vec3d(s.center.x, s.center.y, s.center.z) * views_.back(),
+            deposits_.add({osg::Vec3d(osg::Vec3(s.center.x, s.center.y, s.center.z)) * views_.back(),
                            osg::Vec2(s.size.x, s.size.y) * view_scale_, s.opacity,
                            osg::Vec4ub(s.rgb.r, s.rgb.g, s.rgb.b, 255), Deposit::Law(s.rgb.a)});
         }
