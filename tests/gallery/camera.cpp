@@ -183,8 +183,7 @@ TEST_CASE("gallery: on a dolly no frame is blank and no pop is larger than error
                                   << flicker.largest_pop_frame());
                 // Errors of two frames that have nothing to do with each other differ by the root of two. An image and
                 // the one that replaces it err at the same edges, a little to either side at times.
-                const bool may_be_opposed =
-                    is_known_to_alternate(variant, subject) || is_known_to_turn(variant, subject);
+                const bool may_be_opposed = is_known_to_oppose(variant, subject) || is_known_to_turn(variant, subject);
                 const double apart = may_be_opposed ? 2 : is_told_by_view(variant) ? 1.42 : 1.5;
                 CHECK(flicker.largest_pop_rms() <= apart * largest_error + 0.5 / 255);
             }
