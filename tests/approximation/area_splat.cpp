@@ -127,6 +127,21 @@ TEST_CASE("ground that goes on is closed from everywhere", "[approximation]") {
     }
 }
 
+TEST_CASE("what is flat shows next to nothing from its edge, but as a whole cell it has no holes from anywhere",
+          "[approximation]") {
+    const Cell cell = cell_at({}, 1);
+    const Triangles ground = sheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 2, 2, {9, 9, 9});
+    const AreaSplat areas, whole{.size = AreaSplat::Size::of_cell};
+    const auto data = areas.finish(cell, sampled(areas, cell, ground));
+    // Its center, in a byte a coordinate, is not quite its own, and may be where nothing at all is seen of it.
+    const double height = double(drawn(whole, data, cell, {300, 0, 0}).splats.at(0).center.y);
+    for (const Splat& splat : drawn(areas, data, cell, {300, 0, 0}).splats) CHECK(splat.size.x * splat.size.y < 0.01f);
+    CHECK(drawn(areas, data, cell, {300, height, 0}).splats.empty());
+    const Drawn all = drawn(whole, data, cell, {300, height, 0});
+    REQUIRE(all.splats.size() == 1);
+    CHECK(std::abs(all.splats[0].size.x - 2) < 1e-3f);
+}
+
 TEST_CASE("sheets of two colors show the one in front", "[approximation]") {
     const Cell cell = cell_at({}, 1);
     Triangles sheets = sheet({-0.1f, -1, -1}, {0, 2, 0}, {0, 0, 2}, 4, 4, {0, 0, 255});

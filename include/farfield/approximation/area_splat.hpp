@@ -179,7 +179,7 @@ struct AreaSplat {
         const VisibleFaces seen(cell, view);
         const glm::vec3 center = center_in(data, cell), parts = filled_parts(data);
         const float part = part_seen(parts, direction_of(view.towards_viewer(center)));
-        if (!(part > 0)) return;  // flat, and seen from its edge
+        if (size == Size::of_areas && !(part > 0)) return;  // flat, and seen from its edge
         if (!(sink.splat_limit_px > 0)) {
             const float shrunk = size == Size::of_areas ? std::sqrt(part) : 1.0f;
             for (int i = 0; i < seen.count; ++i) {
@@ -232,10 +232,10 @@ struct AreaSplat {
         half[flat] *= others * others;  // all of it where as much is seen along another
         const glm::vec2 shape = extent(half);
         if (!(shape.x > 0) || !(shape.y > 0)) return;
-        const glm::vec2 square = splat.size * std::sqrt(part);  // of the area that is seen
-        float width = glm::min(square.x * std::sqrt(shape.x / shape.y), box.x);
-        const float height = glm::min(square.x * (square.y / width), box.y);
-        width = glm::min(square.x * (square.y / height), box.x);
+        const float side = splat.size.x * std::sqrt(part);  // of a square of the area that is seen
+        float width = glm::min(side * std::sqrt(shape.x / shape.y), box.x);
+        const float height = glm::min(side * (side / width), box.y);
+        width = glm::min(side * (side / height), box.x);
         splat.size = {width, height};
         // Its place is where the areas are, as far as it does not leave the box.
         const glm::vec3 from_middle = splat.center - cell.center;
