@@ -1,9 +1,11 @@
 // What OpenGL gains by stand-ins: frames of the molecule against one call that draws all of its triangles from one
-// static vertex buffer, and the quadrupled forest. From the first call of a frame to the end of glFinish.
+// static vertex buffer, and the quadrupled forest, over which the camera moves 5 cm a frame. From the first call of a
+// frame to the end of glFinish.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <string>
@@ -48,22 +50,47 @@ unsigned long long stand_ins(const FrameStats& stats) {
     return stats.splats + stats.faces;
 }
 
-/// The least of some frames of each, in turns.
-void compare(const char* what, scenes::SceneViewer& one_call, Pair& far, View view, int turns) {
-    double exact_ms = 1e9, alone_ms = 1e9, culled_ms = 1e9;
-    FrameStats stats, alone, culled;
-    for (int i = 0; i < turns; ++i) {
-        View all = view;
-        all.tolerance_px = 0;
-        exact_ms = std::min(exact_ms, milliseconds(one_call, all, stats));
-        for (int k = 0; k < 5; ++k) {
-            alone_ms = std::min(alone_ms, milliseconds(*far.alone, view, alone));
-            culled_ms = std::min(culled_ms, milliseconds(*far.culled, view, culled));
+double median(std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+    return values[values.size() / 2];
+}
+
+/// Frames of both in turns, in rows of five as a user's follow one another; each from a step farther to the right, so
+/// that what changes is sent. Medians, a first row left out, which sends everything.
+struct Medians {
+    double alone_ms = 0, culled_ms = 0;
+    FrameStats alone, culled;
+
+    Medians(
+        Pair& pair, View view, double step, const std::function<void(const View&)>& between_rows = [](auto&) {}) {
+        std::vector<double> all_alone, all_culled;
+        for (int i = 0; i < 20; ++i) {
+            if (i % 5 == 0) between_rows(view);
+            view.camera.eye += glm::dvec3(view.camera.right) * step;
+            const double alone_took = milliseconds(*pair.alone, view, alone);
+            const double culled_took = milliseconds(*pair.culled, view, culled);
+            if (i < 5) continue;
+            all_alone.push_back(alone_took);
+            all_culled.push_back(culled_took);
         }
+        alone_ms = median(all_alone);
+        culled_ms = median(all_culled);
     }
-    std::printf("| %s, %g px | %.1f | %.2f | %.0f | %llu | %.2f | %.0f | %llu |\n", what, double(view.tolerance_px),
-                exact_ms, alone_ms, exact_ms / alone_ms, stand_ins(alone), culled_ms, exact_ms / culled_ms,
-                stand_ins(culled));
+};
+
+void compare(const char* what, scenes::SceneViewer& one_call, Pair& far, const View& view, double step) {
+    std::vector<double> exact;
+    FrameStats stats;
+    const Medians m(far, view, step, [&](View all) {
+        all.tolerance_px = 0;
+        exact.push_back(milliseconds(one_call, all, stats));
+    });
+    exact.erase(exact.begin());
+    const double exact_ms = median(exact);
+    std::printf("| %s, %g px, %s | %.1f | %.2f | %.0f | %llu | %.2f | %.0f | %llu |\n", what, double(view.tolerance_px),
+                step == 0 ? "still" : "moving", exact_ms, m.alone_ms, exact_ms / m.alone_ms, stand_ins(m.alone),
+                m.culled_ms, exact_ms / m.culled_ms, stand_ins(m.culled));
+    std::fflush(stdout);
 }
 
 void draw_molecule() {
@@ -84,8 +111,10 @@ void draw_molecule() {
         "times | stand-ins |\n|---|---|---|---|---|---|---|---|\n");
     for (const float tolerance : {1.0f, 2.0f, 4.0f}) {
         view.tolerance_px = tolerance;
-        compare("cubes", *one_call, of_cubes, view, 5);
-        compare("tensors", *one_call, of_tensors, view, 5);
+        for (const double step : {0.0, 0.001 * radius}) {
+            compare("cubes", *one_call, of_cubes, view, step);
+            compare("tensors", *one_call, of_tensors, view, step);
+        }
     }
 }
 
@@ -107,15 +136,10 @@ void draw_forest() {
                                 .width = 640,
                                 .height = 360,
                                 .tolerance_px = tolerance};
-                double alone_ms = 1e9, culled_ms = 1e9;
-                FrameStats alone, culled;
-                for (int i = 0; i < 4; ++i) {
-                    alone_ms = std::min(alone_ms, milliseconds(*pair.alone, view, alone));
-                    culled_ms = std::min(culled_ms, milliseconds(*pair.culled, view, culled));
-                }
+                const Medians m(pair, view, 0.05);
                 std::printf("| %s, %s, %g px |", name, is_aerial ? "from above" : "eye level", double(tolerance));
-                print(alone_ms, alone);
-                print(culled_ms, culled);
+                print(m.alone_ms, m.alone);
+                print(m.culled_ms, m.culled);
                 std::printf("\n");
                 std::fflush(stdout);
             }
@@ -129,6 +153,7 @@ void draw_forest() {
 
 /// The molecule, or the forest, or both.
 int main(int argc, char** argv) {
+    setenv("LP_NUM_THREADS", "0", /*overwrite=*/0);  // llvmpipe draws on one thread, as all else here does
     const std::string only = argc > 1 ? argv[1] : "";
     if (only != "forest") draw_molecule();
     if (only != "molecule") draw_forest();
