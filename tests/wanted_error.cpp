@@ -120,6 +120,22 @@ TEMPLATE_TEST_CASE("the less error is wanted, the less stands in", "", Cubes, Cl
     CHECK(none.stats.primitives == triangles.size());
 }
 
+TEMPLATE_TEST_CASE("an error that cannot be had with so few samples is said to be one", "", Cubes, Clusters, Splats,
+                   Tensors) {
+    const Triangles triangles = random_triangles(20000, 720, 0.01f);
+    const auto h = build<TestType>(triangles);
+    const View view = looking({6, 2, 4}, {}, 128, 16);
+    const auto needing_samples = [&](WantedError wanted) {
+        return Drawn<TestType>(h, triangles, view, wanted).stats.cells_needing_samples;
+    };
+    CHECK(needing_samples(WantedError::any()) == 0);
+    CHECK(needing_samples(WantedError{}) == 0);  // what primitives err by is what is wanted
+    CHECK(needing_samples({.rmse = 0.5}) == 0);
+    CHECK(needing_samples({.rmse = 0.01}) > 0);
+    CHECK(needing_samples({.rmse = 0.01, .samples = 1024}) == 0);
+    CHECK(needing_samples({.rmse = 0, .samples = 1024}) > 0);
+}
+
 TEMPLATE_TEST_CASE("where it costs less and no more is wanted than point sampling gives, exact is drawn, byte for byte",
                    "", Cubes, Tensors) {
     const Triangles triangles = random_triangles(20000, 721, 0.01f);

@@ -170,6 +170,7 @@ void show_stats(const Drawn& drawn) {
     number("  outside", s.cells_outside);
     number("  hidden", s.cells_hidden);
     number("  too coarse", s.cells_too_coarse);
+    number("  needing samples", s.cells_needing_samples);
     number("  cheaper exactly", s.cells_cheaper);
     number("  missing", s.cells_missing);
     number("bytes touched", s.touched_bytes);

@@ -114,6 +114,7 @@ struct FrameStats {
     std::uint64_t cells_outside = 0;                         ///< culled by the frustum
     std::uint64_t cells_hidden = 0;                          ///< culled because the renderer said so
     std::uint64_t cells_too_coarse = 0;                      ///< whose stand-ins err more than is wanted
+    std::uint64_t cells_needing_samples = 0;                 ///< of these: the error cannot be had, see WantedError
     std::uint64_t cells_cheaper = 0;                         ///< drawn exactly because that costs less
     std::uint64_t cells_missing = 0;                         ///< drawn coarser than wanted: their page is not there
     std::uint64_t instances = 0;                             ///< instances entered
@@ -124,11 +125,12 @@ struct FrameStats {
     bool is_exact() const { return approximations == 0 && images == 0; }
 
     FrameStats& operator+=(const FrameStats& other) {
-        for (const auto count : {&FrameStats::primitives, &FrameStats::runs, &FrameStats::approximations,
-                                 &FrameStats::faces, &FrameStats::splats, &FrameStats::images, &FrameStats::images_made,
-                                 &FrameStats::image_bytes, &FrameStats::cells_visited, &FrameStats::cells_outside,
-                                 &FrameStats::cells_hidden, &FrameStats::cells_too_coarse, &FrameStats::cells_cheaper,
-                                 &FrameStats::cells_missing, &FrameStats::instances, &FrameStats::touched_bytes}) {
+        for (const auto count :
+             {&FrameStats::primitives, &FrameStats::runs, &FrameStats::approximations, &FrameStats::faces,
+              &FrameStats::splats, &FrameStats::images, &FrameStats::images_made, &FrameStats::image_bytes,
+              &FrameStats::cells_visited, &FrameStats::cells_outside, &FrameStats::cells_hidden,
+              &FrameStats::cells_too_coarse, &FrameStats::cells_needing_samples, &FrameStats::cells_cheaper,
+              &FrameStats::cells_missing, &FrameStats::instances, &FrameStats::touched_bytes}) {
             this->*count += other.*count;
         }
         for (int i = 0; i < max_levels; ++i) approximations_by_level[i] += other.approximations_by_level[i];

@@ -15,7 +15,9 @@
 
 namespace farfield {
 
-/// The largest error that a picture may have.
+/// The largest error that a picture may have. One that stand-ins do not keep is what primitives, drawn with so many
+/// samples, err by; where these are expected to err more as well, it cannot be had, and
+/// FrameStats::cells_needing_samples is above 0.
 struct WantedError {
     /// A root mean square error of channels in [0, 1] over the pixels that objects take. None: no worse than point
     /// sampling, which is what exact geometry errs by. Infinity: any.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,37 @@ TEST_CASE("gallery: error falls as tolerance falls, to none at all") {
         }
     }
     CHECK(stand_ins > 10'000);
+}
+
+// What is known to lose, alternate or fall apart at a lower tolerance does so where less error is wanted: the finer cut
+// is the same.
+TEST_CASE("gallery: error falls as the error that is wanted falls, to none at all") {
+    const ZBufferOptions finest{.samples = 64};
+    int compared = 0;
+    for (const Subject& subject : subjects(3000, {0.5f})) {
+        View view = subject.view(10, 32, 16);
+        const Image exact = plain_picture<Triangle>(subject.triangles, view, finest);
+        for (const test::Variant& variant : gallery_variants()) {
+            if (!variant.stands_in || !is_told_by_view(variant)) continue;
+            if (is_known_to_lose(variant, subject) || is_known_to_alternate(variant, subject)) continue;
+            const double slack = is_known_to_fall_apart(variant, subject) ? 1.0 / 255 : 0.5 / 255;
+            const auto h = variant.build(subject.triangles);
+            ZBufferRenderer renderer(finest);
+            const auto viewer = h->viewer(renderer);
+            double before = 1;
+            for (const double rmse : {std::numeric_limits<double>::infinity(), 0.2, 0.05, 0.01, 0.0}) {
+                view.wanted = {.rmse = rmse, .samples = 64};
+                viewer->arrive(view);
+                const double error = rms_difference(renderer.image(), exact);
+                INFO(subject.name << ": " << variant.name << ", wanted " << rmse << ": " << error << " after "
+                                  << before);
+                CHECK(error <= 1.05 * before + slack);
+                before = error;
+                ++compared;
+            }
+        }
+    }
+    CHECK(compared > 500);
 }
 
 TEST_CASE("gallery: tensors over slats may be worse with cells of one pixel than of four, as they are known to be") {

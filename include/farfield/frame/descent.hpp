@@ -158,6 +158,7 @@ class Descent {
             if (may_stand_in(v, subtree)) {
                 if (keeps_wanted_error(v, subtree)) return draw_stand_in_and_fade(v, subtree, law);
                 ++stats_.cells_too_coarse;
+                stats_.cells_needing_samples += needs_more_samples(v, subtree);
             }
         }
         if constexpr (PagedAtRunTime<typename V::hierarchy_type>) {

@@ -109,6 +109,18 @@ bool keeps_wanted_error(const E& e, const Subtree& subtree) {
     }
 }
 
+/// Whether an error is wanted that primitives in place of a stand-in would not keep either, with so many samples.
+template <class E>
+bool needs_more_samples(const E& e, const Subtree& subtree) {
+    if constexpr (E::hierarchy_type::approximation_type::facts.expects_error) {
+        const WantedError& wanted = e.view.wanted;
+        return wanted.rmse &&
+               point_sampling_rmse(side_px(e, subtree), covered_part(e, subtree), wanted.samples) > float(*wanted.rmse);
+    } else {
+        return false;
+    }
+}
+
 /// What point sampling costs is told by samples: a primitive that meets none is passed over, eight at a time, for a
 /// sixth of its price; one that meets some is set up, drawn and tested for depth for 2.7 times its price more (3.5 and
 /// 60 ns where a stand-in takes 300, its visits included). No more primitives meet a sample than their cells cover.
