@@ -41,13 +41,14 @@ void check_writable(const walkthrough::Options& options) {
 void walk(const walkthrough::Options& options) {
     using namespace walkthrough;
     if (is_paged(options.scene)) {
+        if (options.copies != 1) throw UsageError("--copies is for scenes in memory");
         if (options.path) throw UsageError("--path is for scenes in memory: a file of pages is walked into");
         check_writable(options);
         walk_pages(std::cout, options);
         if (!std::cout.flush()) throw UsageError("cannot write to the standard output");
         return;
     }
-    const Setting setting = make_setting(options.scene, options.up);
+    const Setting setting = make_setting(options.scene, options.up, std::uint32_t(options.copies));
     check_writable(options);
     std::vector<Result> results;
     try {

@@ -160,6 +160,7 @@ void check_numbers(const Options& options) {
     if (options.threads < 1 || options.threads > 256) {
         throw UsageError("--threads must be from 1 to 256, not " + std::to_string(options.threads));
     }
+    if (options.copies < 1 || options.copies > 1'000'000) throw UsageError("--copies must be from 1 to 1000000");
     if (options.frames < 1 || options.frames > 1'000'000) throw UsageError("--frames must be from 1 to 1000000");
     if (options.distance && !(*options.distance > 0 && *options.distance <= 1e6)) {
         throw UsageError("--distance must be above 0 and at most 1000000 radii");
@@ -191,6 +192,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
     app.add_option("--scene", options.scene, "name of a generated scene, a file, or the address of a file of pages")
         ->type_name("NAME|FILE|URL");
+    app.add_option("--copies", options.copies, "of the scene, each turned, in the rows of a square (default 1)")
+        ->type_name("N");
     const auto* const up_option =
         app.add_option("--up", up, "what is up in the file: x, y (if nothing is said), z, or one of them with -")
             ->type_name("AXIS");
@@ -268,9 +271,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     if (!size.empty()) parse_size(size, options);
     if (distance_option->count() != 0) options.distance = distance;
     if (app.get_option("--frames")->count() == 0) {
-        options.frames = options.distance                  ? frames_of_a_fixed_view
-                         : options.scene == "shade-island" ? farfield::scenes::frames_of_island_walk
-                                                           : frames_of_a_flight;
+        options.frames = options.distance ? frames_of_a_fixed_view
+                         : options.scene == "shade-island" && options.copies == 1
+                             ? farfield::scenes::frames_of_island_walk
+                             : frames_of_a_flight;
     }
     if (!path.empty()) {
         if (options.distance) throw UsageError("--path and --distance both say where the camera is: give one of them");

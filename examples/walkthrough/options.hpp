@@ -21,6 +21,7 @@ struct UsageError : std::runtime_error {
 
 struct Options {
     std::string scene = "tree";         ///< a name of the catalog, or a file
+    int copies = 1;                     ///< of the scene, in rows
     std::optional<glm::vec3> up;        ///< of a file; none: y
     std::vector<std::string> variants;  ///< known names, each once, exact first
     /// Of the frames that are timed. It draws all variants but exact, which the z-buffer draws where it cannot.

@@ -9,6 +9,7 @@
 
 #include "options.hpp"
 #include "scenes/catalog.hpp"
+#include "scenes/generate/copies.hpp"
 #include "scenes/generate/island.hpp"
 #include "scenes/generate/quadrupled_forest.hpp"
 #include "scenes/load/load.hpp"
@@ -46,7 +47,7 @@ farfield::scenes::Scene load(const std::string& file, const std::vector<std::str
 
 }  // namespace
 
-Setting make_setting(const std::string& asked, std::optional<glm::vec3> up) {
+Setting make_setting(const std::string& asked, std::optional<glm::vec3> up, std::uint32_t copies) {
     Setting setting;
     const std::vector<std::string> names = farfield::scenes::names();
     const bool generated = std::find(names.begin(), names.end(), asked) != names.end();
@@ -62,12 +63,17 @@ Setting make_setting(const std::string& asked, std::optional<glm::vec3> up) {
     if (setting.bounds.is_empty()) throw UsageError("nothing to draw in '" + asked + "'");
     if (!setting.bounds.is_finite())
         throw UsageError("'" + asked + "' has coordinates that are not finite or too large");
+    if (copies > 1) {
+        setting.scene = farfield::scenes::copies(std::move(setting.scene), copies);
+        setting.bounds = farfield::scenes::bounds(setting.scene);
+        setting.name += "-x" + std::to_string(copies);
+    }
     const bool outdoors = generated && asked != "molecule" && asked != "tree";
     if (outdoors) setting.background = {{126, 173, 224, 255}, {222, 236, 247, 255}};
-    if (generated && asked == "quadrupled-forest") {
+    if (generated && copies == 1 && asked == "quadrupled-forest") {
         setting.descent = {farfield::scenes::aerial({}), farfield::scenes::eye_level({})};
     }
-    if (generated && asked == "shade-island") {
+    if (generated && copies == 1 && asked == "shade-island") {
         setting.path = [](int frames) {
             return farfield::scenes::walk_over_island(farfield::scenes::shade_island, frames);
         };

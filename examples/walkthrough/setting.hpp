@@ -1,6 +1,7 @@
 // The scene that was asked for, and what is known about showing it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -26,7 +27,7 @@ struct Setting {
     bool culls_back_faces = false;  ///< all surfaces are closed and counter-clockwise from outside
 };
 
-/// A name of the catalog, or a file, with what is up in it. Throws UsageError.
-Setting make_setting(const std::string& scene, std::optional<glm::vec3> up = {});
+/// A name of the catalog, or a file, with what is up in it; so many times in rows. Throws UsageError.
+Setting make_setting(const std::string& scene, std::optional<glm::vec3> up = {}, std::uint32_t copies = 1);
 
 }  // namespace walkthrough
