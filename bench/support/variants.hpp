@@ -14,6 +14,7 @@
 #include "farfield/approximation/image_cache.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/approximation/sample_set.hpp"
+#include "farfield/approximation/sided_tensor.hpp"
 #include "farfield/cost_model/measured_time.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/partition/gap_bsp.hpp"
@@ -39,6 +40,7 @@ inline auto variants() {
             Named{"opacity-tensor", OpacityTensor{}},
             Named{"sample-tree", SampleSet<OpacityTensor>{}},
             Named{"sample-tree-splats", SampleSet<AreaSplat>{}},
+            Named{"sample-tree-sided", SampleSet<SidedTensor>{}},
             Named{"color-cube-direct", ColorCube{.inner = ColorCube::Inner::direct}},
             Named{"color-cube-1995", ColorCube{.opacity = ColorCube::Opacity::thresholded}},
             Named{"color-cube-cluster", ColorCubeCluster<4>{}},

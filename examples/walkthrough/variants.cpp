@@ -18,6 +18,7 @@ constexpr Variant table[] = {
     {"sample-tree", "adaptive octree, samples of polygons, tensors for what they leave (Klein et al. 2002)",
      sample_tree},
     {"sample-tree-splats", "likewise, opaque splats in place of tensors, as in the paper", sample_tree_splats},
+    {"sample-tree-sided", "likewise, tensors with a color for each side that things are seen from", sample_tree_sided},
     {"bsp", "binary space partition, strictly front to back (Fuchs et al. 1980, as Greene 1996 draws it)", bsp},
     {"octree-of-bsps", "octree of such partitions (Greene 1996, section 5.1)", octree_of_bsps},
     {"gap-bsp", "every triangle in the frustum, planes in gaps between things (Shade et al. 1996)", gap_bsp},

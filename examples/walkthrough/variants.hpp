@@ -51,6 +51,7 @@ Recipe color_cube_shared();
 Recipe opacity_tensor();
 Recipe sample_tree();
 Recipe sample_tree_splats();
+Recipe sample_tree_sided();
 Recipe bsp();
 Recipe octree_of_bsps();
 Recipe gap_bsp();
