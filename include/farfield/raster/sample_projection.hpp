@@ -10,8 +10,10 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
+#include "farfield/drawables.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/view/local_view.hpp"
 
@@ -22,6 +24,12 @@ struct ColorWeight {
     float by_q = 1, at_zero = 0;
 
     float operator()(float q) const { return q * by_q + at_zero; }
+};
+
+/// The rectangle that a splat is deposited over, in samples from the center sample, and its depth.
+struct SplatFootprint {
+    glm::vec2 center, half;
+    float q;
 };
 
 /// Sample (i, j), rows downwards, has its center at (i + 1/2, j + 1/2). Coordinates are relative to the sample nearest
@@ -121,6 +129,16 @@ struct SampleProjection {
     float w(float depth) const { return depth * depth_weight + depth_bias; }
     float inverse_w(float depth) const { return 1.0f / w(depth); }
     float q(float depth, float inverse) const { return inverse * (q_of_inverse + depth * q_of_depth); }
+
+    /// Nothing for a splat that does not lie before the eye.
+    std::optional<SplatFootprint> footprint(const Splat& splat) const {
+        const glm::vec3 p = project(splat.center);
+        if (!(p.z > near_depth)) return {};
+        const float inverse = inverse_w(p.z);
+        return SplatFootprint{{(p.x * inverse + offset_x) * (1.0f / 256), (p.y * inverse + offset_y) * (1.0f / 256)},
+                              splat.size * (0.5f * focal * inverse),
+                              q(p.z, inverse)};
+    }
 
   private:
     /// Places the pixels [first_px, first_px + count_px) of a picture of `whole_px` whose center lies `off_center` of

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -116,18 +117,14 @@ class ZBufferRenderer {
     bool hidden_in_samples(const Splat& splat) {
         const detail::SampleBuffers& buffers = canvas_.buffers();
         if (!buffers.has_far() || canvas_.is_sliced()) return false;
-        const detail::SampleProjection& projection = canvas_.projection();
-        const glm::vec3 p = projection.project(splat.center);
-        if (!(p.z > projection.near_depth)) return false;
-        const float inverse = projection.inverse_w(p.z);
-        const glm::vec2 half = splat.size * (0.5f * projection.focal * inverse);
-        const float x = (p.x * inverse + projection.offset_x) * (1.0f / 256),
-                    y = (p.y * inverse + projection.offset_y) * (1.0f / 256);
+        const auto at = canvas_.projection().footprint(splat);
+        if (!at) return false;
         constexpr float guard = detail::SampleProjection::guard_band;
-        if (!(half.x < 32 && half.y < 32 && std::abs(x) < guard && std::abs(y) < guard)) return false;
-        return buffers.each_settled(int(std::floor(x - half.x)), int(std::floor(y - half.y)),
-                                    int(std::floor(x + half.x)), int(std::floor(y + half.y)),
-                                    projection.q(p.z, inverse));
+        if (!(at->half.x < 32 && at->half.y < 32 && std::abs(at->center.x) < guard && std::abs(at->center.y) < guard))
+            return false;
+        const glm::vec2 upper_left = glm::floor(at->center - at->half), lower_right = glm::floor(at->center + at->half);
+        return buffers.each_settled(int(upper_left.x), int(upper_left.y), int(lower_right.x), int(lower_right.y),
+                                    at->q);
     }
 
   private:

@@ -42,15 +42,12 @@ class FarDeposits {
 
     /// Deposits a rectangle: each sample gets its share by overlap.
     void add(const Splat& splat) {
-        const glm::vec3 p = projection_.project(splat.center);
-        if (!(p.z > projection_.near_depth)) return;
-        const float inverse = projection_.inverse_w(p.z), q = projection_.q(p.z, inverse);
-        const float x = (p.x * inverse + projection_.offset_x) * (1.0f / 256),
-                    y = (p.y * inverse + projection_.offset_y) * (1.0f / 256);
-        const glm::vec2 half = splat.size * (0.5f * projection_.focal * inverse);
+        const auto at = projection_.footprint(splat);
+        if (!at) return;
+        const glm::vec2 upper_left = at->center - at->half, lower_right = at->center + at->half;
         const Loss loss = loss_of_opacity(splat.opacity, AreaLaw(splat.rgb.a));
         const glm::vec3 rgb = glm::vec3(float(splat.rgb.r), float(splat.rgb.g), float(splat.rgb.b)) * (1 / 255.0f);
-        buffers_.deposit_square(x - half.x, y - half.y, x + half.x, y + half.y, q, loss, rgb);
+        buffers_.deposit_square(upper_left.x, upper_left.y, lower_right.x, lower_right.y, at->q, loss, rgb);
     }
 
   private:
