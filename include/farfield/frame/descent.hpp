@@ -19,36 +19,22 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
-#include <span>
-#include <type_traits>
 #include <utility>
 
 #include "farfield/composition.hpp"
 #include "farfield/frame/instance_stack.hpp"
+#include "farfield/frame/item_runs.hpp"
 #include "farfield/frame/left_out_samples.hpp"
 #include "farfield/frame/source_table.hpp"
 #include "farfield/frame/stand_in_choice.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/frame/view_ahead.hpp"
 #include "farfield/geometry/area_law.hpp"
-#include "farfield/geometry/mixed.hpp"
 #include "farfield/spatial_hierarchy.hpp"
 
-namespace farfield {
-
-/// The order of a descent, settled at compile time. Translucent stand-ins need front to back, so that closed pixels
-/// stop work, and images are translucent too; a renderer that can only blend back to front is replayed them reversed
-/// after everything else.
-template <class H, class R>
-inline constexpr VisitOrder traversal_order =
-    H::approximation_type::facts.stands_in || H::approximation_type::facts.caches_images ? VisitOrder::front_to_back
-                                                                                         : R::facts.order;
-
-namespace detail {
+namespace farfield::detail {
 
 enum class CellDrawn : std::uint8_t {
     by_image,     ///< the sink has drawn it
@@ -90,9 +76,12 @@ class Descent {
     /// `deposits`: in this frame runs carry their cells' laws, where they are known.
     Descent(SourceTable<R>& sources, InstanceStack& instances, FrameStats& stats, Sink& sink, bool deposits,
             const Cut& cut = {})
-        : sources_(sources), instances_(instances), stats_(stats), sink_(sink), deposits_(deposits), cut_(cut) {
-        instances_.resize(0);  // an exception may have ended the last one
-    }
+        : sources_(sources),
+          stats_(stats),
+          sink_(sink),
+          deposits_(deposits),
+          items_(instances, stats, sink),
+          cut_(cut) {}
 
     template <class H, class Span>
     void enter(const H& h, const Span& primitives, const LocalView& view, std::uint64_t path) {
@@ -223,11 +212,11 @@ class Descent {
         }
         if (left == 0) return draw_stand_in(v, subtree);
         const Node& node = v.hierarchy.nodes()[subtree.node];
-        const float all = std::exchange(weight_, weight_ * (1 - left));
+        const float all = std::exchange(items_.weight, items_.weight * (1 - left));
         draw_stand_in(v, subtree);
-        weight_ = all * left;
+        items_.weight = all * left;
         visit_contents(v, subtree, node, subtree.end_item - node.first_item, law, /*has_images_below=*/false);
-        weight_ = all;
+        items_.weight = all;
     }
 
     /// Goes to where a node's contents are; false if they are missing.
@@ -318,23 +307,23 @@ class Descent {
     void visit_children(V& v, const Subtree& subtree, const Node& node, LawOf<V> law) {
         const auto& h = v.hierarchy;
         h.prefetch_data_of(node.first_child);
-        const std::size_t own_instances = instances_.size();
+        const std::size_t own_instances = items_.waiting();
         const std::uint32_t own_end = end_of_own_run(h, subtree);
         const float sampled = own_end != node.first_item ? part_sampled(v, subtree) : 1;
         if (own_end != node.first_item && sampled != 0) {
-            const float all = std::exchange(weight_, weight_ * sampled);
-            gather_items(v, subtree, node.first_item, own_end, law);
-            weight_ = all;
+            const float all = std::exchange(items_.weight, items_.weight * sampled);
+            items_.add(v, subtree, node.first_item, own_end, law);
+            items_.weight = all;
         }
         std::size_t next_instance = own_instances;
         for_each_child<traversal_order<typename V::hierarchy_type, R>>(
             h, subtree, v.view.viewpoint(), [&](Subtree& child) {
-                next_instance = draw_gathered(v, next_instance, order_key(v, child.cell.bounds_center));
+                next_instance = draw_instances(v, next_instance, Items::order_key(v, child.cell.bounds_center));
                 tell_what_is_left_out(v, subtree, child, sampled);
                 visit(v, child, law);
             });
-        draw_gathered(v, next_instance, std::numeric_limits<float>::infinity());
-        instances_.resize(own_instances);
+        draw_instances(v, next_instance, std::numeric_limits<float>::infinity());
+        items_.take_back(own_instances);
     }
 
     /// How much of a subtree's own run is drawn before its children.
@@ -368,8 +357,8 @@ class Descent {
         ++stats_.approximations;
         ++stats_.approximations_by_level[std::min<int>(subtree.cell.depth, FrameStats::max_levels - 1)];
         stats_.touched_bytes += sizeof(typename V::hierarchy_type::stand_in_data);
-        if constexpr (requires { sink_.stand_in(v, subtree, weight_); }) {
-            sink_.stand_in(v, subtree, weight_);
+        if constexpr (requires { sink_.stand_in(v, subtree, items_.weight); }) {
+            sink_.stand_in(v, subtree, items_.weight);
         } else {
             sink_.stand_in(v, subtree);
         }
@@ -385,7 +374,7 @@ class Descent {
         if (is_uncut) return draw_items(v, subtree, node.first_item, law);
         const auto& h = v.hierarchy;
         const std::uint32_t own_end = end_of_own_run(h, subtree);
-        if (own_end != node.first_item) gather_items(v, subtree, node.first_item, own_end, law);
+        if (own_end != node.first_item) items_.add(v, subtree, node.first_item, own_end, law);
         for_each_child<VisitOrder::any>(h, subtree, v.view.viewpoint(), [&](Subtree& child) {
             ++stats_.cells_visited;
             if (is_beyond_borders(v, child)) {
@@ -399,47 +388,24 @@ class Descent {
     /// Positions from `first` to the subtree's end, and what the instances among them hold.
     template <class V>
     void draw_items(V& v, const Subtree& subtree, std::uint32_t first, LawOf<V> law) {
-        const std::size_t base = instances_.size();
-        gather_items(v, subtree, first, subtree.end_item, law);
-        draw_gathered(v, base, std::numeric_limits<float>::infinity());
-        instances_.resize(base);
+        const std::size_t base = items_.waiting();
+        items_.add(v, subtree, first, subtree.end_item, law);
+        draw_instances(v, base, std::numeric_limits<float>::infinity());
+        items_.take_back(base);
     }
 
-    /// Draws whatever is no instance; instances go on the stack, front to back by their centers.
+    /// Draws instances that wait, from `next` on, and come before a key; returns the first that does not.
     template <class V>
-    void gather_items(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
-        if (!v.source.order.empty()) stats_.touched_bytes += std::uint64_t(end - first) * sizeof(std::uint32_t);
-        if constexpr (PrimitiveWithInstance<typename V::primitive_type>) {
-            instances_.gather(
-                v.source, first, end, [&](glm::vec3 p) { return order_key(v, p); },
-                [&](std::uint32_t at) { return is_new(v, at); },
-                [&](std::uint32_t from, std::uint32_t to) { add_run(v, subtree, from, to, law); });
-        } else {
-            add_run(v, subtree, first, end, law);
-        }
-    }
-
-    /// Draws instances of the stack, from `next` on, that come before a key; returns the first that does not.
-    template <class V>
-    std::size_t draw_gathered(V& v, std::size_t next, float end_key) {
+    std::size_t draw_instances(V& v, std::size_t next, float end_key) {
         using P = typename V::primitive_type;
-        if constexpr (PrimitiveWithInstance<P>) {
-            return instances_.draw_before(next, end_key, [&](std::uint32_t position) {
+        return items_.template draw_before<V>(next, end_key, [&](std::uint32_t position) {
+            if constexpr (PrimitiveWithInstance<P>) {
                 const P& p = v.source[position];
                 primitive_traits<P>::visit_instance(p, [&](const auto& instance) {
                     draw_instance(v, instance, position, std::uint64_t(v.source.index_of(position)));
                 });
-            });
-        } else {
-            return next;
-        }
-    }
-
-    /// Nearer ones first, or, for a renderer that paints, the other way around.
-    template <class V>
-    static float order_key(const V& v, glm::vec3 p) {
-        const float distance = v.view.order_of(p);
-        return traversal_order<typename V::hierarchy_type, R> == VisitOrder::back_to_front ? -distance : distance;
+            }
+        });
     }
 
     template <class V, class Instance_>
@@ -452,55 +418,14 @@ class Descent {
         sink_.leave_instance(v);
     }
 
-    /// Shared items are in several cells and are drawn once a frame.
-    template <class V>
-    static bool is_new(V& v, std::uint32_t position) {
-        if constexpr (V::hierarchy_type::assignment == Assignment::shared) {
-            return v.state.is_new(v.source.order.empty() ? position : v.source.order[position]);
-        } else {
-            return true;
-        }
-    }
-
-    template <class V>
-    void add_run(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
-        if (weight_ < 1) return add_part_of_run(v, subtree, first, end, law);
-        if constexpr (V::hierarchy_type::assignment == Assignment::shared) {
-            std::uint32_t begin = first;
-            for (std::uint32_t at = first; at < end; ++at) {
-                if (is_new(v, at)) continue;
-                if (begin != at) sink_.run(v, subtree, begin, at, law);
-                begin = at + 1;
-            }
-            first = begin;
-        }
-        if (first != end) sink_.run(v, subtree, first, end, law);
-    }
-
-    /// Primitives come one by one as what they replace fades, each where its place in the hierarchy says, or in the
-    /// file where pages have no place of their own, so that more of them are more of the same.
-    template <class V>
-    void add_part_of_run(V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, LawOf<V> law) {
-        std::uint32_t begin = first;
-        for (std::uint32_t at = first; at < end; ++at) {
-            std::uint64_t name = at;
-            if constexpr (PagedAtRunTime<typename V::hierarchy_type>) name = v.hierarchy.name_of_item(at);
-            const float when = (float(mixed(mixed(v.path, 0x66616465), name) >> 40) + 0.5f) * 0x1p-24f;
-            if (when < weight_ && is_new(v, at)) continue;
-            if (begin != at) sink_.run(v, subtree, begin, at, law);
-            begin = at + 1;
-        }
-        if (begin != end) sink_.run(v, subtree, begin, end, law);
-    }
+    using Items = ItemRuns<R, Sink>;
 
     SourceTable<R>& sources_;
-    InstanceStack& instances_;
     FrameStats& stats_;
     Sink& sink_;
     bool deposits_;
-    float weight_ = 1;  ///< of what is drawn: less where something else fades away or comes
+    Items items_;
     Cut cut_;
 };
 
-}  // namespace detail
-}  // namespace farfield
+}  // namespace farfield::detail
