@@ -310,6 +310,26 @@ TEST_CASE("a known path makes images that serve along it", "[image_cache]") {
     CHECK(known > guessed);
 }
 
+TEST_CASE("images made ahead serve a steady viewer for longer, and follow one that turns back", "[image_cache]") {
+    for (const bool turns_back : {false, true}) {
+        std::uint64_t made[2] = {0, 0};
+        double worst[2] = {0, 0};
+        for (const bool ahead : {false, true}) {
+            Walk<> walk({.least_items = 64, .most_overhead = 4, .most_ahead = ahead ? 0.75f : 0.0f});
+            for (int f = 0; f < 160; ++f) {
+                const double x = 0.06 * (turns_back && f > 80 ? 160 - f : f) - 4;
+                const View view = seen_from({x, 0, 0}, {x, 0, -50});
+                made[ahead] += walk.frame(view).images_made;
+                if (f % 8 == 0) worst[ahead] = std::max(worst[ahead], difference(walk.image(), walk.exact(view)));
+            }
+        }
+        INFO(made[0] << " made, ahead " << made[1] << "; worst " << worst[0] << ", " << worst[1]);
+        CHECK(made[0] > 10);
+        CHECK(double(made[1]) < (turns_back ? 1.0 : 0.85) * double(made[0]));
+        CHECK(worst[1] < 1.3 * worst[0]);
+    }
+}
+
 TEST_CASE("whatever throws while an image is made, no slice of it stays", "[image_cache]") {
     CountedImages renderer{ZBufferOptions{}};
     std::vector<glm::dvec3> path;  // sideways, so that slices pay
