@@ -37,8 +37,9 @@ struct ImageCacheOptions {
     float most_early = 0.125f;
     /// Images may be made from where the viewer is expected to be ahead by this part of the time for which an image
     /// made from where it is would serve, if the last frames' motion has been steady: they are then good before and
-    /// after.
-    float most_ahead = 0.75f;
+    /// after. For what stands apart, as trees do: images of neighbors are made from different places then, and a
+    /// surface that is split between them opens at once by what it else comes to in the end.
+    float most_ahead = 0;
     /// An image that is made anew takes the old one's place over so many frames, sample by sample, where the old one
     /// was seen until now; meanwhile the old one may be displaced by twice the threshold, but not if is_conservative.
     /// 0: at once.

@@ -103,7 +103,7 @@ TEST_CASE("nothing is made ahead of who stands, swings, or may go anywhere", "[i
         return life.service(*planned, from, [&](const LocalView& there) { return box.planned(there); }).ahead;
     };
     const ExpectedPath walks{.step = {0.05f, 0, 0}, .steady_frames = 100};
-    ImageCacheOptions options;
+    ImageCacheOptions options{.most_ahead = 0.75f};
     CHECK(ahead(options, walks, view) > 1);
     CHECK(ahead(options, {.step = walks.step, .steady_frames = 0}, view) == 0);
     CHECK(ahead(options, {.step = walks.step, .steady_frames = 1}, view) == 1);

@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "farfield/cost_model.hpp"
@@ -58,7 +57,6 @@ struct WantedImage {
 
 /// A cell that a descent has begun and not ended, and what had been counted before it.
 struct OpenCell {
-    static constexpr std::uint32_t not_looked_at = KeptCell::no_image;  ///< too cheap for an image
     std::uint32_t cell;
     double price = 0, present_price = 0, whole_price = 0, usual_making = 0;
     std::size_t images = 0, hidden = 0, wanted = 0, renewals = 0;
@@ -71,8 +69,6 @@ struct ImageChoice {
     std::vector<WantedImage<Maker>> wanted;
     std::vector<WantedImage<Maker>> renewals;  ///< images that are good, and will not be for long
     std::vector<OpenCell> open;
-    /// The most that making one may cost beyond drawing what it shows: what the last frame might have spent on all.
-    float most_more = std::numeric_limits<float>::max();
 };
 
 }  // namespace farfield::detail

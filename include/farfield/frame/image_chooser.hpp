@@ -47,7 +47,6 @@ class ImageChooser {
         : kept_(kept),
           options_(options),
           life_(options, path),
-          most_more_(choice.most_more),
           wanted_(choice.wanted),
           renewals_(choice.renewals),
           open_(choice.open) {
@@ -69,7 +68,15 @@ class ImageChooser {
     void leave_instance(const auto&) {}
     template <class V>
     void run(const V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, std::optional<AreaLaw>) {
-        add(double(price_of_items(v, subtree, end - first)));
+        const float triangles_each = PrimitiveWithInstance<typename V::primitive_type>
+                                         ? 1.0f
+                                         : v.hierarchy.whole_work().triangles / float(v.hierarchy.item_count());
+        const Work work{.triangles = float(end - first) * triangles_each, .cells = 1, .runs = 1};
+        // Seen from anywhere, a third of a box's rectangle is about what all triangles in it take, each squarely.
+        const float radius = length_of(subtree.cell.bounds_half);
+        const float away = std::max(length_of(subtree.cell.bounds_center - v.view.eye), radius);
+        const float side = v.view.pixels(1.15f * radius, away);
+        add(double(price_of(v.hierarchy.cost_policy(), work, side * side / (3 * work.triangles))));
     }
     template <class V>
     void stand_in(const V& v, const Subtree& subtree) {
@@ -89,13 +96,7 @@ class ImageChooser {
 
     template <class V>
     CellDrawn begin_cell(const V& v, const Subtree& subtree) {
-        const CellId id{v.path, subtree.node};
-        const KeptCell* const known = kept_.find(id);
-        if (known == nullptr && !may_pay(v, subtree)) {
-            open_.push_back({.cell = OpenCell::not_looked_at});
-            return CellDrawn::as_contents;
-        }
-        const std::uint32_t index = kept_.index_of(id);
+        const std::uint32_t index = kept_.index_of({v.path, subtree.node});
         KeptCell& cell = kept_.cell(index);
         const bool is_new = cell.seen_frame + 1 != kept_.frame();
         cell.seen_frame = kept_.frame();
@@ -120,7 +121,6 @@ class ImageChooser {
     void end_cell(const V& v, const Subtree& subtree) {
         const OpenCell open = open_.back();
         open_.pop_back();
-        if (open.cell == OpenCell::not_looked_at) return;
         KeptCell& cell = kept_.cell(open.cell);
         // Also where it is chosen: its image may not be made in this frame, or be made from those below.
         // What is hidden below is found to be so again, where nothing is drawn whole.
@@ -162,33 +162,6 @@ class ImageChooser {
                              .draw = &draw_wanted<V>});
     }
 
-    /// Of drawing so many items that lie in a subtree.
-    template <class V>
-    static float price_of_items(const V& v, const Subtree& subtree, std::uint32_t items) {
-        const float triangles_each = PrimitiveWithInstance<typename V::primitive_type>
-                                         ? 1.0f
-                                         : v.hierarchy.whole_work().triangles / float(v.hierarchy.item_count());
-        const Work work{.triangles = float(items) * triangles_each, .cells = 1, .runs = 1};
-        // Seen from anywhere, a third of a box's rectangle is about what all triangles in it take, each squarely.
-        const float radius = length_of(subtree.cell.bounds_half);
-        const float away = std::max(length_of(subtree.cell.bounds_center - v.view.eye), radius);
-        const float side = v.view.pixels(1.15f * radius, away);
-        return price_of(v.hierarchy.cost_policy(), work, side * side / (3 * work.triangles));
-    }
-    /// What contents have to cost for an image: to decide about one costs as much as to draw a few.
-    template <class V>
-    static float least_contents(const V& v) {
-        return 4 * v.hierarchy.cost_policy().cost({.images = 1});
-    }
-    /// False only if all that a subtree holds costs too little. Cells below are not looked at then, so that few are
-    /// where things are far away, and those of a few triangles where they are near, or dear to shade.
-    template <class V>
-    static bool may_pay(const V& v, const Subtree& subtree) {
-        if constexpr (PrimitiveWithInstance<typename V::primitive_type>) return true;
-        const std::uint32_t items = subtree.end_item - v.hierarchy.nodes()[subtree.node].first_item;
-        return price_of_items(v, subtree, items) > least_contents(v);
-    }
-
     void add(double price) {
         price_ += price;
         present_price_ += price;
@@ -218,7 +191,9 @@ class ImageChooser {
         if (view.is_perspective && cell.bounds().contains(view.eye)) return false;
         if (kept_.cell(open.cell).refused_frame + 64 > kept_.frame() && kept_.cell(open.cell).refused_frame != 0)
             return false;
-        if (!(contents > least_contents(v))) return false;
+        // To decide costs as much as to draw a few.
+        constexpr float deciding = 4;
+        if (!(contents > deciding * v.hierarchy.cost_policy().cost({.images = 1}))) return false;
         const std::optional<ImageRect> rect = fitting_rect(view, cell.bounds_center, cell.bounds_half);
         if (!rect) return false;
         const float whole_price = whole / visible_part(view, *rect);
@@ -237,7 +212,7 @@ class ImageChooser {
                                     float(n) * price_of_making(v.hierarchy.cost_policy(), texels / float(n));
             // What no frame may make does not keep cells below from theirs. Most cells have no image that pays, and to
             // ask for the frame from which on it does is quicker than to find out how long it lives.
-            if (making_it - present > most_more_ || making_it > options_.most_making) continue;
+            if (making_it > options_.most_making) continue;
             const float longer = 1 + options_.most_ahead;
             if (!life_.may_serve(planned, view, making_it / (best - drawing) / longer)) continue;
             const auto planned_from = [&](const LocalView& there) {
@@ -304,7 +279,6 @@ class ImageChooser {
     KeptImages& kept_;
     const ImageCacheOptions& options_;
     ImageLife life_;
-    float most_more_;
     std::vector<WantedImage<Maker>>&wanted_, &renewals_;
     std::vector<OpenCell>& open_;
     /// Of what has been priced so far: with the images that are wanted, their making spread over their lives; as it

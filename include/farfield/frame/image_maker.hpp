@@ -57,7 +57,7 @@ class ImageMaker {
         ImageChooser<ImageMaker> chooser(kept_, options, path, choice_);
         Descent<R, ImageChooser<ImageMaker>> descent(sources_, instances, stats_, chooser, deposits);
         descent.enter(hierarchy, primitives, view, 0);
-        float overhead = choice_.most_more = options.most_overhead * chooser.price();
+        float overhead = options.most_overhead * chooser.price();
         float making = 0;
         std::size_t made = 0;
         for (const WantedImage<ImageMaker>& wanted : choice_.wanted) {
