@@ -2,8 +2,6 @@
 #include "farfield/frame/image_life.hpp"
 
 #include <cstdint>
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <vector>
@@ -42,20 +40,13 @@ LocalView after(const LocalView& view, const ExpectedPath& path, std::uint32_t f
     return view.moved(view.right * moved.x + view.up * moved.y + view.forward * moved.z);
 }
 
-bool is_in_sight(const Contents& box, const LocalView& view) {
-    for (const glm::vec4& plane : view.planes) {
-        if (glm::dot(plane, glm::vec4(box.center, 1)) < -glm::length(box.half)) return false;
-    }
-    return true;
-}
-
 }  // namespace
 
-TEST_CASE("an image serves for as long as it is good and in sight, also if it is made ahead", "[image_life]") {
+TEST_CASE("an image serves for as long as it is good, also if it is made ahead", "[image_life]") {
     Random random(90);
     const LocalView view = from_origin();
     double longer = 0;
-    int ahead = 0, out_of_sight = 0;
+    int ahead = 0;
     for (int i = 0; i < 400; ++i) {
         ImageCacheOptions options{.threshold_px = random.between(1, 8), .is_conservative = random.below(2) == 0};
         options.most_ahead = random.below(2) == 0 ? 1 : random.unit();
@@ -75,12 +66,11 @@ TEST_CASE("an image serves for as long as it is good and in sight, also if it is
         REQUIRE(image);
         for (std::uint32_t k = 0; k < service.lives; ++k) {
             const LocalView later = after(view, path, k);
-            REQUIRE((is_good(*image, later, options) && is_in_sight(box, later)));
+            REQUIRE(is_good(*image, later, options));
         }
         if (service.lives <= ExpectedPath::farthest) {
             const LocalView later = after(view, path, service.lives);
-            REQUIRE(!(is_good(*image, later, options) && is_in_sight(box, later)));
-            out_of_sight += !is_in_sight(box, later);
+            REQUIRE(!is_good(*image, later, options));
         }
         if (service.ahead == 0) continue;
         ++ahead;
@@ -88,7 +78,6 @@ TEST_CASE("an image serves for as long as it is good and in sight, also if it is
     }
     CHECK(ahead > 200);
     CHECK(longer > 1.4 * ahead);
-    CHECK(out_of_sight > 20);
 }
 
 TEST_CASE("nothing is made ahead of who stands, swings, or may go anywhere", "[image_life]") {

@@ -7,15 +7,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
 #include <optional>
 #include <span>
 
 #include "farfield/frame/cell_image.hpp"
 #include "farfield/frame/safety_zone.hpp"
-#include "farfield/geometry/length.hpp"
 #include "farfield/image_cache_options.hpp"
 #include "farfield/view/local_view.hpp"
 
@@ -39,8 +36,8 @@ struct ExpectedPath {
     }
 };
 
-/// An image serves while it is good and the cell is in sight. What the viewer passes is in sight for a few frames only,
-/// however good its image would be for longer. How the viewer turns is not foreseen.
+/// An image serves while it is good. How the viewer turns is not foreseen: that cells may be out of sight before is
+/// left out, which gained nothing (0.97 to 1.05 times as fast).
 class ImageLife {
   public:
     ImageLife(const ImageCacheOptions& options, const ExpectedPath& path) : options_(options), path_(path) {}
@@ -60,10 +57,9 @@ class ImageLife {
         }
         return life_span(ExpectedPath::farthest, [&](std::uint32_t k) { return serves_after(k, image, view); });
     }
-    /// Whether so many frames from now the cell is in sight and its image no longer good.
+    /// Whether it is no longer good so many frames from now.
     bool is_over_after(std::uint32_t frames, const CellImage& image, const LocalView& view) const {
-        const glm::vec3 moved = way(frames, view);
-        return is_in_sight(image, view, moved) && !is_good_from(image, view, moved);
+        return !serves_after(frames, image, view);
     }
 
     /// From where an image is made and for how many frames it then serves, the one that it is made in among them.
@@ -106,19 +102,9 @@ class ImageLife {
     /// Only the speed is known.
     bool is_bounded(const LocalView& view) const { return options_.most_speed > 0 && view.is_perspective; }
     bool serves_after(std::uint32_t frames, const CellImage& image, const LocalView& view) const {
-        const glm::vec3 moved = way(frames, view);
-        return is_in_sight(image, view, moved) && is_good_from(image, view, moved);
-    }
-    bool is_good_from(const CellImage& image, const LocalView& view, glm::vec3 moved) const {
         LocalView later = view;
-        later.eye += moved;
+        later.eye += way(frames, view);
         return is_good(image, later, options_);
-    }
-    static bool is_in_sight(const CellImage& image, const LocalView& view, glm::vec3 moved) {
-        const float radius = length_of(image.place.half);
-        const glm::vec4 center(image.place.center - moved, 1);
-        return std::all_of(view.planes.begin(), view.planes.end(),
-                           [&](const glm::vec4& plane) { return glm::dot(plane, center) >= -radius; });
     }
 
     const ImageCacheOptions& options_;
