@@ -330,6 +330,7 @@ class Bench {
         const auto with_ground = [&](float threshold) {
             ImageCacheOptions o = options(threshold);
             o.of_instances_only = false;
+            o.most_ahead = 0;
             return o;
         };
         const float t = tolerance_px_;
@@ -595,6 +596,7 @@ int main(int argc, char** argv) {
     // cracks. Over a far field, where trees are cheap, images pay for what is large.
     ImageCacheOptions over_far{.budget_bytes = std::uint64_t(256) << 20}, images = over_far;
     images.of_instances_only = true;
+    images.most_ahead = over_far.most_ahead = 0.75f;
     images.least_items = 8192;
     std::string only;
     for (int i = 1; i < argc; ++i) {
@@ -621,6 +623,7 @@ int main(int argc, char** argv) {
             images.least_items = std::uint32_t(std::max(1, number_after()));
         } else if (option == "--ground") {
             images.of_instances_only = false;
+            images.most_ahead = 0;
         } else if (option == "--conservative") {
             images.is_conservative = true;
         } else {

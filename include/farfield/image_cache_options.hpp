@@ -35,6 +35,11 @@ struct ImageCacheOptions {
     /// Images may be made anew before they have to, in frames that make less than most do, by this part of their life:
     /// neighbors that were made in one frame would else run out in one. 0: none is.
     float most_early = 0.125f;
+    /// Images may be made from where the viewer is expected to be ahead by this part of the time for which an image
+    /// made from where it is would serve, if the last frames' motion has been steady: they are then good before and
+    /// after. For what stands apart, as trees do: images of neighbors are made from different places then, and a
+    /// surface that is split between them opens at once by what it else comes to in the end.
+    float most_ahead = 0;
     /// An image that is made anew takes the old one's place over so many frames, sample by sample, where the old one
     /// was seen until now; meanwhile the old one may be displaced by twice the threshold, but not if is_conservative.
     /// 0: at once.
@@ -58,6 +63,7 @@ struct ImageCacheOptions {
         if (!(most_early >= 0 && most_early <= 1)) return "ImageCache: most_early must be from 0 to 1";
         if (!is_number(most_speed) || !is_number(most_acceleration))
             return "ImageCache: most_speed and most_acceleration must be 0 or more and finite";
+        if (!(most_ahead >= 0 && most_ahead <= 1)) return "ImageCache: most_ahead must be from 0 to 1";
         if (!(most_magnified >= 1 && most_minified >= 1))
             return "ImageCache: most_magnified and most_minified must be 1 or more";
         return nullptr;

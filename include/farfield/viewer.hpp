@@ -6,6 +6,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -49,6 +50,8 @@ struct ViewerImages {
     std::vector<glm::dvec3> expected;   ///< eyes of frames to come
     std::vector<glm::vec3> known_path;  ///< the same, as ExpectedPath has it
     glm::dvec3 eye{0};                  ///< the last frame's
+    glm::dvec3 step{0};                 ///< how it had moved
+    std::uint32_t steady_frames = 0;    ///< for so many it has moved alike
     bool has_eye = false;
 };
 struct NoImages {
@@ -160,6 +163,8 @@ class Viewer {
     void forget_images() requires caches_images<H> {
         images_.maker.free_all();
         images_.has_eye = false;
+        images_.step = {};
+        images_.steady_frames = 0;
     }
 
     /// Keeps what frame() would draw without images if nothing hid anything. The renderer is not touched. Throws for
@@ -296,7 +301,14 @@ class Viewer {
         for (const glm::dvec3& eye : images_.expected) images_.known_path.push_back(along_axes(eye - view.camera.eye));
         images_.expected.clear();
         path.known = images_.known_path;
-        if (images_.has_eye) path.step = along_axes(view.camera.eye - images_.eye);
+        if (images_.has_eye) {
+            const glm::dvec3 step = view.camera.eye - images_.eye, change = step - images_.step;
+            const bool is_steady = glm::dot(change, change) <= 0.0625 * glm::dot(step, step);
+            images_.steady_frames = is_steady ? std::min(images_.steady_frames + 1, path.farthest) : 0;
+            images_.step = step;
+            path.step = along_axes(step);
+            path.steady_frames = images_.steady_frames;
+        }
         images_.eye = view.camera.eye;
         images_.has_eye = true;
         stats_.images_made = maker.update(hierarchy_, primitives_, local, path, instances_, deposits_);

@@ -183,6 +183,28 @@ TEST_CASE("a viewer that circles on the edge of a safety zone makes few images",
     CHECK(made <= 200 * cells / 8);
 }
 
+TEST_CASE("what is hidden part by part is not drawn whole in every second frame", "[image_cache]") {
+    // Between two walls one sees past the middle of a cell, and nothing that is in it.
+    Triangles scene = sheet({-11, -6, -20}, {10, 0, 0}, {0, 12, 0}, 48, 48, {200, 180, 40, 255});
+    const Triangles right = sheet({1, -6, -20}, {10, 0, 0}, {0, 12, 0}, 48, 48, {40, 180, 200, 255});
+    scene.insert(scene.end(), right.begin(), right.end());
+    for (const float side : {-1.0f, 1.0f}) {
+        Triangles ball = random_triangles(3000, 5, 0.15f);
+        for (Triangle& t : ball) {
+            for (glm::vec3& v : t.vertices) v = v * 2.0f + glm::vec3(8 * side, 0, -40);
+            scene.push_back(t);
+        }
+    }
+    const auto hierarchy = build<CachedImages>(scene, {.approximation = with({.least_items = 256})});
+    ZBufferRenderer renderer;
+    auto viewer = make_viewer(hierarchy, scene, renderer);
+    for (int f = 0; f < 6; ++f) viewer.frame(seen_from({0, 0, 0}));
+    const FrameStats settled = viewer.frame(seen_from({0, 0, 0}));
+    CHECK(settled.images > 0);
+    CHECK(settled.cells_hidden > 0);
+    for (int f = 0; f < 6; ++f) CHECK(viewer.frame(seen_from({0, 0, 0})).primitives == settled.primitives);
+}
+
 TEST_CASE("a jump, another field of view and another size draw what is there", "[image_cache]") {
     Walk<> walk;
     for (int f = 0; f < 3; ++f) walk.frame(seen_from({0, 0, 0}));
@@ -308,6 +330,26 @@ TEST_CASE("a known path makes images that serve along it", "[image_cache]") {
         known = knows.frame(view).images_made;
     }
     CHECK(known > guessed);
+}
+
+TEST_CASE("images made ahead serve a steady viewer for longer, and follow one that turns back", "[image_cache]") {
+    for (const bool turns_back : {false, true}) {
+        std::uint64_t made[2] = {0, 0};
+        double worst[2] = {0, 0};
+        for (const bool ahead : {false, true}) {
+            Walk<> walk({.least_items = 64, .most_overhead = 4, .most_ahead = ahead ? 0.75f : 0.0f}, free_images());
+            for (int f = 0; f < 160; ++f) {
+                const double x = 0.06 * (turns_back && f > 80 ? 160 - f : f) - 4;
+                const View view = seen_from({x, 0, 0}, {x, 0, -50});
+                made[ahead] += walk.frame(view).images_made;
+                if (f % 8 == 0) worst[ahead] = std::max(worst[ahead], difference(walk.image(), walk.exact(view)));
+            }
+        }
+        INFO(made[0] << " made, ahead " << made[1] << "; worst " << worst[0] << ", " << worst[1]);
+        CHECK(made[0] > 10);
+        CHECK(double(made[1]) < (turns_back ? 1.1 : 0.85) * double(made[0]));
+        CHECK(worst[1] < 1.3 * worst[0]);
+    }
 }
 
 TEST_CASE("whatever throws while an image is made, no slice of it stays", "[image_cache]") {

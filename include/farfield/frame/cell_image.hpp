@@ -129,6 +129,19 @@ inline CellImage planned_image(const LocalView& view, glm::vec3 center, glm::vec
     return image;
 }
 
+/// "If the dimensions of the rectangle exceed those of the viewport, no image is cached."
+inline std::optional<ImageRect> fitting_rect(const LocalView& view, glm::vec3 center, glm::vec3 half) {
+    const std::optional<ImageRect> rect = image_rect(view, center, half);
+    if (rect && (rect->width > view.part.whole_width || rect->height > view.part.whole_height)) return {};
+    return rect;
+}
+/// The image that a view would make of a box outside of which it is.
+inline std::optional<CellImage> image_that_fits(const LocalView& view, glm::vec3 center, glm::vec3 half, int slices) {
+    const std::optional<ImageRect> rect = fitting_rect(view, center, half);
+    if (!rect || (view.is_perspective && Box{center - half, center + half}.contains(view.eye))) return {};
+    return planned_image(view, center, half, *rect, slices);
+}
+
 /// The sine of the angle that displaces something by `part` of the threshold.
 inline float allowed_sine(const LocalView& view, const ImageCacheOptions& options, float part) {
     const float pixels = options.threshold_px * part;

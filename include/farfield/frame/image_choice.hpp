@@ -3,11 +3,8 @@
 
 #include "farfield/settings.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <glm/vec3.hpp>
-#include <span>
 #include <vector>
 
 #include "farfield/cost_model.hpp"
@@ -16,19 +13,6 @@
 #include "farfield/view/local_view.hpp"
 
 namespace farfield::detail {
-
-/// Where the viewer will be, from the current frame on, in world units along right, up and forward of its view.
-struct ExpectedPath {
-    glm::vec3 step{0};                   ///< a frame, as in the last one
-    std::span<const glm::vec3> known{};  ///< where it is known: from here to the next frame's eye, the one after, ...
-    static constexpr std::uint32_t farthest = 1024;  ///< frames looked ahead
-
-    /// The displacement after k frames, k >= 1.
-    glm::vec3 after(std::uint32_t k) const {
-        if (known.empty()) return step * float(k);
-        return known[std::min<std::size_t>(k, known.size()) - 1];
-    }
-};
 
 /// The price of drawing triangles that are each so many pixels large: that of small ones, or of large ones where the
 /// cost model has it.
@@ -67,15 +51,16 @@ struct WantedImage {
     float making_price = 0;    ///< of making the image, that included
     std::uint32_t lives = 1;   ///< frames that it will serve
     bool is_new = false;       ///< the cell was not looked at in the last frame: it may be hidden
+    bool is_ahead = false;     ///< `view` is one that is expected, and not the frame's
     void (*draw)(Maker&, const WantedImage&, const LocalView& image_view) = nullptr;
 };
 
 /// A cell that a descent has begun and not ended, and what had been counted before it.
 struct OpenCell {
     std::uint32_t cell;
-    double price, present_price, whole_price, usual_making;
-    std::size_t images, wanted, renewals;
-    bool is_new;
+    double price = 0, present_price = 0, whole_price = 0, usual_making = 0;
+    std::size_t images = 0, hidden = 0, wanted = 0, renewals = 0;
+    bool is_new = false;
 };
 
 /// What is chosen for a frame, and what choosing needs: kept from frame to frame, as memory is.

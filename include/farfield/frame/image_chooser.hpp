@@ -27,9 +27,11 @@
 #include "farfield/cost_model.hpp"
 #include "farfield/frame/descent.hpp"
 #include "farfield/frame/image_choice.hpp"
+#include "farfield/frame/image_life.hpp"
 #include "farfield/frame/kept_images.hpp"
 #include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/area_law.hpp"
+#include "farfield/image_cache_options.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield::detail {
@@ -44,7 +46,7 @@ class ImageChooser {
                  ImageChoice<Maker>& choice)
         : kept_(kept),
           options_(options),
-          path_(path),
+          life_(options, path),
           wanted_(choice.wanted),
           renewals_(choice.renewals),
           open_(choice.open) {
@@ -66,11 +68,10 @@ class ImageChooser {
     void leave_instance(const auto&) {}
     template <class V>
     void run(const V& v, const Subtree& subtree, std::uint32_t first, std::uint32_t end, std::optional<AreaLaw>) {
-        using P = typename V::primitive_type;
-        const auto items = float(end - first);
-        const float triangles_each =
-            PrimitiveWithInstance<P> ? 1.0f : v.hierarchy.whole_work().triangles / float(v.hierarchy.item_count());
-        const Work work{.triangles = items * triangles_each, .cells = 1, .runs = 1};
+        const float triangles_each = PrimitiveWithInstance<typename V::primitive_type>
+                                         ? 1.0f
+                                         : v.hierarchy.whole_work().triangles / float(v.hierarchy.item_count());
+        const Work work{.triangles = float(end - first) * triangles_each, .cells = 1, .runs = 1};
         // Seen from anywhere, a third of a box's rectangle is about what all triangles in it take, each squarely.
         const float radius = length_of(subtree.cell.bounds_half);
         const float away = std::max(length_of(subtree.cell.bounds_center - v.view.eye), radius);
@@ -88,7 +89,9 @@ class ImageChooser {
     template <class V>
     bool hidden(const V& v, const Subtree& subtree) {
         const KeptCell* cell = kept_.find({v.path, subtree.node});
-        return cell != nullptr && cell->hidden_frame + 1 == kept_.frame();
+        const bool is_hidden = cell != nullptr && cell->hidden_frame + 1 == kept_.frame();
+        hidden_ += is_hidden;
+        return is_hidden;
     }
 
     template <class V>
@@ -109,7 +112,7 @@ class ImageChooser {
             if (is_soon_over(v, *image)) add_renewal(v, subtree, index, *image);
             return CellDrawn::by_image;
         }
-        open_.push_back({index, price_, present_price_, whole_price_, usual_making_, images_, wanted_.size(),
+        open_.push_back({index, price_, present_price_, whole_price_, usual_making_, images_, hidden_, wanted_.size(),
                          renewals_.size(), is_new});
         return CellDrawn::in_parts;
     }
@@ -120,7 +123,8 @@ class ImageChooser {
         open_.pop_back();
         KeptCell& cell = kept_.cell(open.cell);
         // Also where it is chosen: its image may not be made in this frame, or be made from those below.
-        if (images_ != open.images) cell.parts_frame = kept_.frame();
+        // What is hidden below is found to be so again, where nothing is drawn whole.
+        if (images_ != open.images || hidden_ != open.hidden) cell.parts_frame = kept_.frame();
         if (chooses(v, subtree, open)) images_ = open.images + 1;
     }
 
@@ -131,23 +135,30 @@ class ImageChooser {
     bool is_soon_over(const V& v, const CellImage& image) const {
         const auto early = std::uint32_t(options_.most_early * float(std::min(image.lives, ExpectedPath::farthest)));
         if (early == 0 || kept_.frame() - image.made_frame + early < image.lives) return false;
-        return !is_good_after(early, image, v.view);
+        return life_.is_over_after(early, image, v.view);
     }
     template <class V>
     void add_renewal(const V& v, const Subtree& subtree, std::uint32_t index, const CellImage& image) {
-        const std::optional<ImageRect> rect = image_rect(v.view, subtree.cell.bounds_center, subtree.cell.bounds_half);
-        if (!rect || rect->width > v.view.part.whole_width || rect->height > v.view.part.whole_height) return;
+        const auto planned_from = [&](const LocalView& there) {
+            return image_that_fits(there, subtree.cell.bounds_center, subtree.cell.bounds_half, image.slices);
+        };
+        const auto served = std::uint32_t(float(image.lives) / (1 + options_.most_ahead));
+        const std::uint32_t ahead = image.is_of_images ? 0 : life_.frames_ahead(served, v.view, planned_from);
+        const LocalView from = made_from(v.view, ahead);
+        const std::optional<ImageRect> rect = fitting_rect(from, subtree.cell.bounds_center, subtree.cell.bounds_half);
+        if (!rect) return;
         renewals_.push_back({.cell = index,
                              .hierarchy = &v.hierarchy,
                              .primitives = v.source.primitives.data(),
                              .primitive_count = v.source.primitives.size(),
-                             .view = v.view,
+                             .view = from,
                              .subtree = subtree,
                              .rect = *rect,
                              .slices = image.slices,
                              .whole_price = image.whole_price,
                              .making_price = image.making_price,
                              .lives = image.lives,
+                             .is_ahead = ahead != 0,
                              .draw = &draw_wanted<V>});
     }
 
@@ -173,7 +184,8 @@ class ImageChooser {
     /// "amortizedCost < cost to draw contents" (UpdateNode). If so the cell is wanted, and nothing below it.
     template <class V>
     bool chooses(const V& v, const Subtree& subtree, const OpenCell& open) {
-        const auto contents = float(price_ - open.price), whole = float(whole_price_ - open.whole_price);
+        const auto contents = float(price_ - open.price), whole = float(whole_price_ - open.whole_price),
+                   present = float(present_price_ - open.present_price);
         const Cell& cell = subtree.cell;
         const LocalView& view = v.view;
         if (view.is_perspective && cell.bounds().contains(view.eye)) return false;
@@ -182,74 +194,67 @@ class ImageChooser {
         // To decide costs as much as to draw a few.
         constexpr float deciding = 4;
         if (!(contents > deciding * v.hierarchy.cost_policy().cost({.images = 1}))) return false;
-        const std::optional<ImageRect> rect = image_rect(view, cell.bounds_center, cell.bounds_half);
-        // "If the dimensions of the rectangle exceed those of the viewport, no image is cached."
-        if (!rect || rect->width > view.part.whole_width || rect->height > view.part.whole_height) return false;
+        const std::optional<ImageRect> rect = fitting_rect(view, cell.bounds_center, cell.bounds_half);
+        if (!rect) return false;
         const float whole_price = whole / visible_part(view, *rect);
+        // What is made of images below is good for half of the threshold, and is made from here.
+        const auto of_images = [&](float making_it) { return 2 * (making_it - whole_price + present) < making_it; };
         float best = contents, making = 0;
         int slices = 0;
-        std::uint32_t best_lives = 1;
-        // Slices are worth their texels only where one rectangle is soon wrong.
-        for (int n = options_.slices; n > 0; n /= 2) {
+        ImageLife::Service served;
+        // Slices are worth their texels only where fewer of them are soon wrong: all that more can save is making.
+        for (int n = 1; n <= options_.slices; n *= 2) {
             const CellImage planned = planned_image(view, cell.bounds_center, cell.bounds_half, *rect, n);
             const float texels = texels_of(v, planned);
             const float drawing = price_of_drawing(v, planned);
-            if (!(drawing < best)) continue;
+            if (!(drawing < best)) break;
             const float making_it = whole_price * making_factor(n) +
                                     float(n) * price_of_making(v.hierarchy.cost_policy(), texels / float(n));
-            // Most cells have no image that pays, and to ask for the frame from which on it does is quicker than to
-            // find out how long it lives.
-            if (!may_live(planned, view, making_it / (best - drawing))) continue;
-            const std::uint32_t lives = 1 + frames_good(planned, view);
-            const float amortized = making_it / float(lives) + drawing;
+            // What no frame may make does not keep cells below from theirs. Most cells have no image that pays, and to
+            // ask for the frame from which on it does is quicker than to find out how long it lives.
+            if (making_it > options_.most_making) continue;
+            const float longer = 1 + options_.most_ahead;
+            if (!life_.may_serve(planned, view, making_it / (best - drawing) / longer)) continue;
+            const auto planned_from = [&](const LocalView& there) {
+                return image_that_fits(there, cell.bounds_center, cell.bounds_half, n);
+            };
+            const ImageLife::Service serves = n == 1 && of_images(making_it)
+                                                  ? ImageLife::Service{0, 1 + life_.frames_served(planned, view)}
+                                                  : life_.service(planned, view, planned_from);
+            const float amortized = making_it / float(serves.lives) + drawing;
             if (!(amortized < best)) continue;
             best = amortized;
             making = making_it;
-            best_lives = lives;
+            served = serves;
             slices = n;
         }
         if (slices == 0) return false;
+        const LocalView from = made_from(view, served.ahead);
         price_ = open.price + double(best);
-        usual_making_ = open.usual_making + double(making) / double(best_lives);
+        usual_making_ = open.usual_making + double(making) / double(served.lives);
         wanted_.erase(wanted_.begin() + std::ptrdiff_t(open.wanted), wanted_.end());
         renewals_.erase(renewals_.begin() + std::ptrdiff_t(open.renewals), renewals_.end());
-        wanted_.push_back({.cell = open.cell,
-                           .hierarchy = &v.hierarchy,
-                           .primitives = v.source.primitives.data(),
-                           .primitive_count = v.source.primitives.size(),
-                           .view = view,
-                           .subtree = subtree,
-                           .rect = *rect,
-                           .slices = slices,
-                           .contents_price = float(present_price_ - open.present_price),
-                           .whole_price = whole_price,
-                           .making_price = making,
-                           .lives = best_lives,
-                           .is_new = open.is_new,
-                           .draw = &draw_wanted<V>});
+        wanted_.push_back(
+            {.cell = open.cell,
+             .hierarchy = &v.hierarchy,
+             .primitives = v.source.primitives.data(),
+             .primitive_count = v.source.primitives.size(),
+             .view = from,
+             .subtree = subtree,
+             .rect = served.ahead == 0 ? *rect : *fitting_rect(from, cell.bounds_center, cell.bounds_half),
+             .slices = slices,
+             .contents_price = present,
+             .whole_price = whole_price,
+             .making_price = making,
+             .lives = served.lives,
+             .is_new = open.is_new,
+             .is_ahead = served.ahead != 0,
+             .draw = &draw_wanted<V>});
         return true;
     }
 
-    /// False only if an image serves for at most so many frames, the one that it is made in among them.
-    bool may_live(const CellImage& image, const LocalView& view, float frames) const {
-        if (!(frames < float(ExpectedPath::farthest + 1))) return false;
-        const auto later = std::uint32_t(frames);
-        return later == 0 || (options_.most_speed > 0 && view.is_perspective) || is_good_after(later, image, view);
-    }
-    /// The number of frames to come in which an image serves.
-    std::uint32_t frames_good(CellImage image, const LocalView& view) const {
-        if (options_.most_speed > 0 && view.is_perspective) {
-            set_safety_zone(image, view, options_);
-            return frames_within(image.safe_radius * view.scale, options_.most_speed, options_.most_acceleration,
-                                 ExpectedPath::farthest);
-        }
-        return life_span(ExpectedPath::farthest, [&](std::uint32_t k) { return is_good_after(k, image, view); });
-    }
-    bool is_good_after(std::uint32_t frames, const CellImage& image, const LocalView& view) const {
-        LocalView later = view;
-        const glm::vec3 moved = path_.after(frames);
-        later.eye += (view.right * moved.x + view.up * moved.y + view.forward * moved.z) / view.scale;
-        return is_good(image, later, options_);
+    LocalView made_from(const LocalView& view, std::uint32_t ahead) const {
+        return ahead == 0 ? view : view.moved(life_.way(ahead, view));
     }
 
     /// The part of a rectangle that lies in the picture; above 0.
@@ -267,20 +272,20 @@ class ImageChooser {
     static void draw_wanted(Maker& maker, const WantedImage<Maker>& wanted, const LocalView& image_view) {
         using P = typename V::primitive_type;
         const auto& h = *static_cast<const typename V::hierarchy_type*>(wanted.hierarchy);
-        const auto primitives = span_at<P>(wanted.primitives, wanted.primitive_count);
+        const std::span<const P> primitives(static_cast<const P*>(wanted.primitives), wanted.primitive_count);
         maker.draw_contents(h, primitives, image_view, maker.path_of(wanted.cell), wanted.subtree);
     }
 
     KeptImages& kept_;
     const ImageCacheOptions& options_;
-    const ExpectedPath& path_;
+    ImageLife life_;
     std::vector<WantedImage<Maker>>&wanted_, &renewals_;
     std::vector<OpenCell>& open_;
     /// Of what has been priced so far: with the images that are wanted, their making spread over their lives; as it
     /// would be drawn if none were made; and without any images.
     double price_ = 0, present_price_ = 0, whole_price_ = 0;
     double usual_making_ = 0;
-    std::size_t images_ = 0, good_images_ = 0;
+    std::size_t images_ = 0, good_images_ = 0, hidden_ = 0;
 };
 
 }  // namespace farfield::detail

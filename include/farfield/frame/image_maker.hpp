@@ -111,13 +111,14 @@ class ImageMaker {
 
     /// What an image may show of images of cells below. It lives half as long with them, or not that, so they have to
     /// save as much, and to be good for half of the way that it would have served on. In slices there are none: what a
-    /// rectangle shows may lie in several.
+    /// rectangle shows may lie in several. Nor are there in images from elsewhere, which would have to be good from
+    /// here with twice the error.
     ImageOfImages of_images_below(const WantedImage<ImageMaker>& wanted) const {
         const glm::vec3 center = wanted.subtree.cell.bounds_center, half = wanted.subtree.cell.bounds_half;
         ImageOfImages of{.view = wanted.view, .low = center - half, .high = center + half};
         const float of_geometry = wanted.making_price,
                     of_images = of_geometry - wanted.whole_price + wanted.contents_price;
-        of.may_be_drawn = wanted.slices == 1 && 2 * of_images < of_geometry;
+        of.may_be_drawn = wanted.slices == 1 && !wanted.is_ahead && 2 * of_images < of_geometry;
         const std::uint32_t frames = std::max(1u, std::min(wanted.lives, ExpectedPath::farthest) / 2);
         of.least_radius = std::max(length_of(path_->after(frames)), options_->most_speed * float(frames));
         return of;

@@ -26,7 +26,7 @@ struct KeptCell {
     std::uint32_t fading = no_image;  ///< the one that was renewed, and is still seen in part
     std::uint32_t seen_frame = 0;     ///< it was looked at last
     std::uint32_t drawn_frame = 0;    ///< its image is drawn in
-    std::uint32_t parts_frame = 0;    ///< images of cells below are drawn in
+    std::uint32_t parts_frame = 0;    ///< images of cells below are drawn in, or some are hidden
     std::uint32_t hidden_frame = 0;   ///< the renderer said that it is hidden
     std::uint32_t refused_frame = 0;  ///< the renderer did not make an image
 };

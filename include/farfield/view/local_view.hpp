@@ -168,6 +168,14 @@ struct LocalView {
         v.set_planes();
         return v;
     }
+    /// The same view from elsewhere.
+    LocalView moved(glm::vec3 way) const {
+        LocalView v = *this;
+        v.eye += way;
+        v.anchor += way;
+        v.set_planes();
+        return v;
+    }
     /// The same view, with nothing drawn but what lies in a range of depths, in local units.
     LocalView between(float near_limit, float far_limit) const {
         LocalView v = *this;

@@ -193,6 +193,21 @@ class FarSamples {
         return is_open(x, y) ? depth : std::max(depth, first_deposit_[index(x, y)]);
     }
 
+    /// Whether something was deposited into a sample, or into one of a square of `side` x `side`, at most 8, from it on.
+    bool is_touched(int x, int y) const { return (bits_of(x, y).touched >> (x & 63) & 1) != 0; }
+    bool is_touched(int x, int y, int side) const {
+        const std::size_t first = std::size_t(y) * words_;
+        std::uint64_t touched = 0;
+        for (int word = x >> 6; word <= (x + side - 1) >> 6; ++word) {
+            const int low = std::max(x - word * 64, 0), high = std::min(x + side - word * 64, 64) - 1;
+            const std::uint64_t wanted = bits_between(low, high);
+            for (int row = 0; row < side; ++row) {
+                touched |= bits_[first + std::size_t(row) * words_ + std::size_t(word)].touched & wanted;
+            }
+        }
+        return touched != 0;
+    }
+
     /// The deposits into a sample, or null if there are none or if geometry that was drawn later, at `depth`, lies in
     /// front of the first.
     const Sample* over(float depth, int x, int y) const {
@@ -202,9 +217,17 @@ class FarSamples {
         return first_deposit_[at] > depth ? &samples_[at] : nullptr;
     }
 
-    /// The depth of the first and nearest deposit into a sample; -infinity: none counts.
-    float first_over(float depth, int x, int y) const {
-        return over(depth, x, y) != nullptr ? first_deposit_[index(x, y)] : -std::numeric_limits<float>::infinity();
+    /// Brings depths of [begin, end) of row y up to those of first deposits where these are nearer.
+    void raise_to_first(int y, int begin, int end, float* depths) const {
+        if (begin >= end || y < rect_.y0 || y >= rect_.y1) return;
+        for (int word = begin >> 6; word <= (end - 1) >> 6; ++word) {
+            const int low = std::max(begin - word * 64, 0), high = std::min(end - word * 64, 64) - 1;
+            const std::uint64_t touched = bits_[std::size_t(y) * words_ + std::size_t(word)].touched;
+            for (std::uint64_t left = touched & bits_between(low, high); left != 0; left &= left - 1) {
+                const int x = word * 64 + std::countr_zero(left);
+                depths[x - begin] = std::max(depths[x - begin], first_deposit_[index(x, y)]);
+            }
+        }
     }
 
     /// Calls f(x, y) for every sample that was deposited into.

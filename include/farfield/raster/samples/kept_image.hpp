@@ -10,11 +10,8 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 #include <limits>
 #include <vector>
 
@@ -26,6 +23,7 @@
 #include "farfield/raster/samples/sample_blocks.hpp"
 #include "farfield/raster/samples/sample_buffers.hpp"
 #include "farfield/raster/samples/sliced_buffers.hpp"
+#include "farfield/simd.hpp"
 
 namespace farfield::detail {
 
@@ -72,12 +70,128 @@ inline SampleRect tight(const Image& colors, const SampleRect& in) {
     return r;
 }
 
+/// Where keep_image() works, kept from call to call.
+struct KeepingScratch {
+    std::vector<float> relative, samples;
+};
+
+/// Four texels at once, on any machine.
+struct FourTexels {
+    typedef float Floats __attribute__((vector_size(16)));
+    typedef std::int32_t Ints __attribute__((vector_size(16)));
+    typedef std::uint32_t Words __attribute__((vector_size(16)));
+    static constexpr std::size_t count = 4;
+
+    template <class V, class T>
+    FARFIELD_INLINE static V load(const T* from) {
+        V v;
+        __builtin_memcpy(&v, from, sizeof v);
+        return v;
+    }
+    template <class T, class V>
+    FARFIELD_INLINE static void store(T* to, const V& v) {
+        __builtin_memcpy(static_cast<void*>(to), &v, sizeof v);
+    }
+    FARFIELD_INLINE static bool any(Ints where) {
+        std::uint64_t halves[2];
+        __builtin_memcpy(halves, &where, sizeof halves);
+        return (halves[0] | halves[1]) != 0;
+    }
+    /// Of numbers, infinities and NaN left out.
+    FARFIELD_INLINE static Ints are_finite(Floats v) { return v - v == Floats{}; }
+};
+
+/// Fills texels and tiles of a rectangle whose place and size are known, and gives each texel's depth in
+/// `relative`, NaN where there is none: row by row, as texels are, and nothing before and behind them.
+class TexelReader : FourTexels {
+  public:
+    TexelReader(const SampleProjection& projection, float quad_depth, const DepthRange& range)
+        : range_(range),
+          bias_(depth_bias_of(projection)),
+          quad_(projection.q(quad_depth, projection.inverse_w(quad_depth))),
+          by_quotient_(projection.is_perspective) {}
+
+    float neutral() const { return by_quotient_ ? 1.0f : 0.0f; }
+
+    /// The least and the largest of depths, with what has none at the rectangle's.
+    DepthRange read(KeptImage& kept, const SampleBuffers& buffers, const Image& colors, KeepingScratch& scratch) {
+        const std::size_t stride = kept.stride(), before = before_first(kept);
+        scratch.relative.assign(before + kept.color.size() + before, std::numeric_limits<float>::quiet_NaN());
+        Floats least = Floats{} + neutral(), most = least;
+        Ints translucent{};
+        for (int y = 0; y < kept.height; ++y) {
+            // Vectors may reach into the next row's border, where nothing is yet.
+            const std::size_t row = std::size_t(y + 1) * stride;
+            Rgba8* const color = kept.color.data() + row;
+            float* const depth = scratch.relative.data() + before + row;
+            std::copy_n(
+                &colors.pixels()[std::size_t(kept.top + y) * std::size_t(colors.width()) + std::size_t(kept.left)],
+                kept.width, color + 1);
+            buffers.mean_depths(kept.top + y, kept.left, kept.left + kept.width, depth + 1, scratch.samples);
+            std::uint8_t* const tiles = kept.tiles.data() + std::size_t(y + 1) / KeptImage::tile * kept.tile_columns();
+            for (std::size_t x = 0; x < stride; x += count) {
+                const Words c = load<Words>(color + x);
+                const Floats q = load<Floats>(depth + x);
+                const Ints within = (q >= range_.farthest) & (q <= range_.nearest);
+                const Ints shown = (c >= 1u << 24) & (within | ~are_finite(q));
+                const Floats relative = by_quotient_ ? (q + bias_) / (quad_ + bias_) : q - quad_;
+                const Ints known = shown & are_finite(relative);
+                store(color + x, c & reinterpret_cast<Words>(shown));
+                store(depth + x, known ? relative : Floats{} + std::numeric_limits<float>::quiet_NaN());
+                const Floats low = known ? relative : least, high = known ? relative : most;
+                least = low < least ? low : least;
+                most = high > most ? high : most;
+                translucent |= shown & (c < 255u << 24);
+                if (any(shown)) tiles[x / KeptImage::tile] = 1;
+            }
+        }
+        kept.is_solid = !any(translucent);
+        DepthRange all{least[0], most[0]};
+        for (std::size_t i = 1; i < count; ++i) {
+            all.farthest = std::min(all.farthest, least[i]);
+            all.nearest = std::max(all.nearest, most[i]);
+        }
+        return all;
+    }
+
+    /// Depths in steps from the least to the most. Between texels the nearest one's depth is taken, so those at a
+    /// silhouette's edge have their neighbor's.
+    void quantize(KeptImage& kept, const DepthRange& all, const KeepingScratch& scratch) const {
+        const float least = all.farthest, steps = all.nearest > least ? 65535 / (all.nearest - least) : 0;
+        const std::size_t stride = kept.stride(), texels = kept.depth.size();
+        const float* const first = scratch.relative.data() + before_first(kept);
+        for (std::size_t i = 0; i < texels; i += count) {
+            const float* const at = first + i;
+            Floats depth = Floats{} + neutral();
+            const auto take = [&](const float* neighbor) {
+                const Floats d = load<Floats>(neighbor);
+                depth = d == d ? d : depth;
+            };
+            take(at + 1);
+            take(at - 1);
+            take(at + stride);
+            take(at - stride);
+            take(at);
+            const Ints step = __builtin_convertvector((depth - least) * steps + 0.5f, Ints);
+            std::uint16_t out[count];
+            for (std::size_t k = 0; k < count; ++k) out[k] = std::uint16_t(step[k]);
+            std::copy_n(out, std::min(count, texels - i), kept.depth.data() + i);
+        }
+    }
+
+  private:
+    static std::size_t before_first(const KeptImage& kept) { return kept.stride() + count; }
+
+    DepthRange range_;
+    float bias_, quad_;
+    bool by_quotient_;
+};
+
 /// Takes an image of the size that `projection` has from what was drawn. `colors` is its picture, at least as large;
 /// the rectangle lies at `quad_depth` from the projection's anchor, and holds nothing outside of a range of depths.
-/// `scratch` is kept from call to call.
 inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Image& colors,
                        const SampleProjection& projection, float quad_depth, const DepthRange& range,
-                       std::vector<float>& scratch) {
+                       KeepingScratch& scratch) {
     const int side = buffers.samples_a_side();
     kept.whole_width = projection.whole_width / side;
     kept.whole_height = projection.whole_height / side;
@@ -89,52 +203,15 @@ inline void keep_image(KeptImage& kept, const SampleBuffers& buffers, const Imag
     kept.top = drawn.y0;
     kept.width = drawn.is_empty() ? 0 : drawn.x1 - drawn.x0;
     kept.height = drawn.is_empty() ? 0 : drawn.y1 - drawn.y0;
-    const std::size_t stride = kept.stride(), count = stride * (std::size_t(kept.height) + 2);
-    kept.color.assign(count, {0, 0, 0, 0});
-    kept.depth.resize(count);
+    const std::size_t texels = kept.stride() * (std::size_t(kept.height) + 2);
+    kept.color.assign(texels, {0, 0, 0, 0});
+    kept.depth.resize(texels);
     kept.tiles.assign(kept.tile_columns() * ((std::size_t(kept.height) + 1 + KeptImage::tile) / KeptImage::tile), 0);
-    const float bias = depth_bias_of(projection), quad = projection.q(quad_depth, projection.inverse_w(quad_depth));
-    const bool by_quotient = projection.is_perspective;
-    const float neutral = by_quotient ? 1.0f : 0.0f;
-    // NaN stands for a texel without depth.
-    scratch.assign(count, std::numeric_limits<float>::quiet_NaN());
-    float least = neutral, most = neutral;
-    kept.is_solid = true;
-    for (int y = 0; y < kept.height; ++y) {
-        const std::size_t row = std::size_t(y + 1) * stride + 1;
-        for (int x = 0; x < kept.width; ++x) {
-            const Rgba8 c = colors.at(kept.left + x, kept.top + y);
-            if (c.a == 0) continue;
-            const float q = buffers.mean_depth(kept.left + x, kept.top + y);
-            if (std::isfinite(q) && !range.contains(q)) continue;
-            kept.color[row + std::size_t(x)] = c;
-            kept.is_solid = kept.is_solid && c.a == 255;
-            kept.tiles[std::size_t(y + 1) / KeptImage::tile * kept.tile_columns() +
-                       std::size_t(x + 1) / KeptImage::tile] = 1;
-            const float relative = by_quotient ? (q + bias) / (quad + bias) : q - quad;
-            if (!std::isfinite(relative)) continue;
-            scratch[row + std::size_t(x)] = relative;
-            least = std::min(least, relative);
-            most = std::max(most, relative);
-        }
-    }
-    kept.least_depth = least;
-    kept.depth_step = (most - least) / 65535;
-    const float steps = most > least ? 65535 / (most - least) : 0;
-    const auto at = [&](std::size_t i) { return std::uint16_t((scratch[i] - least) * steps + 0.5f); };
-    const auto middle = std::uint16_t((neutral - least) * steps + 0.5f);
-    for (std::size_t i = 0; i < count; ++i) {
-        kept.depth[i] = middle;
-        if (!std::isnan(scratch[i])) {
-            kept.depth[i] = at(i);
-            continue;
-        }
-        // Between texels the nearest one's depth is taken, so those at a silhouette's edge have their neighbor's.
-        for (const std::size_t step : {std::size_t(1), stride}) {
-            if (i + step < count && !std::isnan(scratch[i + step])) kept.depth[i] = at(i + step);
-            if (i >= step && !std::isnan(scratch[i - step])) kept.depth[i] = at(i - step);
-        }
-    }
+    TexelReader reader(projection, quad_depth, range);
+    const DepthRange depths = reader.read(kept, buffers, colors, scratch);
+    kept.least_depth = depths.farthest;
+    kept.depth_step = (depths.nearest - depths.farthest) / 65535;
+    reader.quantize(kept, depths, scratch);
 }
 
 }  // namespace farfield::detail

@@ -147,6 +147,24 @@ class SampleBlocks {
         if (b.frame != frame_) return background_;
         return b.is_surface ? b.color : samples_[at].color[within(x, y)];
     }
+    /// Gives the depths of [begin, end) of a row.
+    void depths(int y, int begin, int end, float* out) const {
+        for (int x = begin; x < end;) {
+            const int next = std::min((x | (side - 1)) + 1, end);
+            const std::size_t at = index(x >> log2_side, y >> log2_side);
+            const Block& b = blocks_[at];
+            if (b.frame != frame_) {
+                std::fill(out, out + (next - x), nothing);
+            } else if (b.is_surface) {
+                const float along = b.plane.row(y + first_y_);
+                for (int i = x; i < next; ++i) out[i - x] = b.plane.at(along, i + first_x_);
+            } else {
+                std::copy_n(samples_[at].depth + within(x, y), next - x, out);
+            }
+            out += next - x;
+            x = next;
+        }
+    }
     /// Gives the colors of [begin, end) of a row.
     void colors(int y, int begin, int end, Rgba8* out) const {
         for (int x = begin; x < end;) {

@@ -88,20 +88,35 @@ class SampleBuffers {
     /// See FarSamples::Eight; coordinates from the upper left sample.
     FarSamples::Eight eight_deposits(int x, int y) { return far_.eight(x, y); }
 
-    /// The mean depth, as q, of a pixel's samples that something covers: for each that of the nearest. -infinity: none.
-    float mean_depth(int px, int py) const {
-        float sum = 0;
-        int covered = 0;
+    /// Gives, for pixels [begin, end) of a row, the mean depth, as q, of the samples that something covers: for each
+    /// that of the nearest. -infinity: none is. `scratch` is kept from call to call.
+    void mean_depths(int py, int begin, int end, float* out, std::vector<float>& scratch) const {
+        const auto row_of_samples = [&](int y, int first, int last, float* to) {
+            blocks_.depths(y, first, last, to);
+            if (far_.has_begun()) far_.raise_to_first(y, first, last, to);
+        };
+        if (side_ == 1) return row_of_samples(py, begin, end, out);
+        constexpr float nothing = -std::numeric_limits<float>::infinity();
+        const int first = begin * side_, last = end * side_;
+        const auto count = std::size_t(last - first);
+        scratch.assign(3 * count, 0);
+        float *const depths = scratch.data(), *const sums = depths + count, *const covered = sums + count;
         for (int y = py * side_; y < (py + 1) * side_; ++y) {
-            for (int x = px * side_; x < (px + 1) * side_; ++x) {
-                float depth = blocks_.depth(x, y);
-                if (far_.has_begun()) depth = std::max(depth, far_.first_over(depth, x, y));
-                if (!(depth > -std::numeric_limits<float>::infinity())) continue;
-                sum += depth;
-                ++covered;
+            row_of_samples(y, first, last, depths);
+            for (std::size_t i = 0; i < count; ++i) {
+                sums[i] += depths[i] > nothing ? depths[i] : 0.0f;
+                covered[i] += depths[i] > nothing ? 1.0f : 0.0f;
             }
         }
-        return covered > 0 ? sum / float(covered) : -std::numeric_limits<float>::infinity();
+        const auto side = std::size_t(side_);
+        for (std::size_t i = 0; i < count; i += side) {
+            float sum = 0, samples = 0;
+            for (std::size_t x = i; x < i + side; ++x) {
+                sum += sums[x];
+                samples += covered[x];
+            }
+            *out++ = samples > 0 ? sum / samples : nothing;
+        }
     }
 
     /// Whether nothing as far as q or farther can change any sample of a rectangle (ends included), because each has
@@ -136,10 +151,8 @@ class SampleBuffers {
         drawn_in_image_ = drawn;
         if (side_ == 1) {
             for (int y = drawn.y0; y < drawn.y1; ++y) blocks_.colors(y, drawn.x0, drawn.x1, &image.at(drawn.x0, y));
-            far_.for_touched([&](int x, int y) { image.at(x, y) = rounded(color_at(x, y)); });
-        } else if (far_.has_begun()) {
-            for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel(x, y); });
-        } else if (side_ == SampleBlocks::side) {
+            far_.for_touched([&](int x, int y) { image.at(x, y) = rounded(color_at(x, y, image.at(x, y))); });
+        } else if (side_ == SampleBlocks::side && !far_.has_begun()) {
             for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel_of_block(x, y); });
         } else if (!drawn.is_empty()) {
             const int first = drawn.x0 / side_, last = (drawn.x1 - 1) / side_;
@@ -150,7 +163,10 @@ class SampleBuffers {
                                    rows_.data() + std::size_t(row) * stride);
                 }
                 for (int x = first; x <= last; ++x) {
-                    image.at(x, y) = mean_of_samples(rows_.data() + (x - first) * side_, stride, side_);
+                    const Rgba8* behind = rows_.data() + (x - first) * side_;
+                    image.at(x, y) = far_.has_begun() && far_.is_touched(x * side_, y * side_, side_)
+                                         ? pixel(behind, stride, x, y)
+                                         : mean_of_samples(behind, stride, side_);
                 }
             }
         }
@@ -208,19 +224,20 @@ class SampleBuffers {
         return mean_of_samples(blocks_.samples(at).color, SampleBlocks::side, SampleBlocks::side);
     }
 
-    Rgba8 pixel(int px, int py) const {
+    /// With deposits over what lies behind, which comes in rows `stride` apart.
+    Rgba8 pixel(const Rgba8* behind, std::size_t stride, int px, int py) const {
         Floats sum{};
-        for (int y = py * side_; y < (py + 1) * side_; ++y) {
-            for (int x = px * side_; x < (px + 1) * side_; ++x) sum += color_at(x, y);
+        for (int y = 0; y < side_; ++y, behind += stride) {
+            for (int x = 0; x < side_; ++x) sum += color_at(px * side_ + x, py * side_ + y, behind[x]);
         }
         return rounded(sum * (1.0f / float(side_ * side_)));
     }
 
     /// What a sample shows, in 255ths.
-    FARFIELD_INLINE Floats color_at(int x, int y) const {
-        const auto [depth, behind] = blocks_.sample(x, y);
+    FARFIELD_INLINE Floats color_at(int x, int y, Rgba8 behind) const {
         const Floats color = __builtin_convertvector(std::bit_cast<Bytes>(behind), Floats);
-        const FarSamples::Sample* s = far_.over(depth, x, y);
+        if (!far_.is_touched(x, y)) return color;
+        const FarSamples::Sample* s = far_.over(blocks_.depth(x, y), x, y);
         if (s == nullptr) return color;
         Floats deposited = std::bit_cast<Floats>(*s);
         const Floats transmittance = Floats{} + deposited[3];

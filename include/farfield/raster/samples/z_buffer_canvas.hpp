@@ -130,29 +130,32 @@ class ZBufferCanvas {
     void end_image(std::span<std::uint32_t> handles) {
         std::fill(handles.begin(), handles.end(), 0u);
         struct Unfinished {
-            std::vector<KeptImage>& images;
+            ZBufferCanvas& canvas;
             std::span<const std::uint32_t> handles;
             ~Unfinished() {
                 for (const std::uint32_t handle : handles) {
-                    if (handle != 0) images[handle - 1] = {};
+                    if (handle != 0) canvas.free_image(handle);
                 }
             }
-        } unfinished{images_, handles};
-        std::size_t slot = 0;
-        for (std::size_t i = 0; i < handles.size(); ++i, ++slot) {
-            while (slot < images_.size() && images_[slot].whole_width != 0) ++slot;
-            if (slot == images_.size()) images_.emplace_back();
+        } unfinished{*this, handles};
+        for (std::size_t i = 0; i < handles.size(); ++i) {
+            while (first_free_ < images_.size() && images_[first_free_].whole_width != 0) ++first_free_;
+            if (first_free_ == images_.size()) images_.emplace_back();
+            const std::size_t slot = first_free_++;
             handles[i] = std::uint32_t(slot + 1);
             SampleBuffers& buffers = slices_.buffers(i);
             buffers.resolve(targets_[i].image);
             keep_image(images_[slot], buffers, targets_[i].image, projection_, targets_[i].quad_depth, slices_.range(i),
-                       relative_depths_);
+                       scratch_);
         }
         unfinished.handles = {};
         makes_image_ = false;
         leave_target();
     }
-    void free_image(std::uint32_t image) { images_[image - 1] = {}; }
+    void free_image(std::uint32_t image) {
+        images_[image - 1] = {};
+        first_free_ = std::min(first_free_, std::size_t(image - 1));
+    }
     std::size_t image_bytes(int width, int height) const { return KeptImage::bytes_of(width, height); }
     void draw(std::span<const ImageQuad> quads) {
         for (const ImageQuad& quad : quads) {
@@ -265,9 +268,10 @@ class ZBufferCanvas {
     bool makes_image_ = false;  ///< buffers_ and side_ are an image's, frame_side_ the frame's
     int frame_side_ = 1;
     std::vector<Target> targets_;
-    SlicedBuffers slices_;                ///< of the image that is made
-    std::vector<KeptImage> images_;       ///< by handle less 1; of no width where free
-    std::vector<float> relative_depths_;  ///< keep_image's
+    SlicedBuffers slices_;           ///< of the image that is made
+    std::vector<KeptImage> images_;  ///< by handle less 1; of no width where free
+    std::size_t first_free_ = 0;     ///< none before it is
+    KeepingScratch scratch_;
 };
 
 }  // namespace farfield::detail
