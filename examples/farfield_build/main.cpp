@@ -16,6 +16,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <type_traits>
 
 #if defined(__GLIBC__)
@@ -201,7 +202,12 @@ int main(int argc, char** argv) {
         run(request, processes);
         return 0;
     } catch (const std::bad_alloc&) {
-        std::cerr << "farfield_build: there is not enough memory\n";
+        std::cerr << "farfield_build: there is not enough memory";
+        if (const int error = farfield::scenes::error_of_files(); error != 0) {
+            std::cerr << ": what a model holds goes into files beside the one to be made, which the system refused: "
+                      << std::generic_category().message(error);
+        }
+        std::cerr << "\n";
     } catch (const std::exception& error) {
         std::cerr << "farfield_build: " << error.what() << "\n";
     }

@@ -50,19 +50,37 @@ class CellCounts {
     /// The cell that counts an item.
     struct Place {
         std::uint32_t depth = 0, at = 0;
+        friend bool operator==(const Place&, const Place&) = default;
     };
-    Place place_of(const Item& item) const {
-        Cell cell = root_;
+    /// The cells down to where the last item was counted. The next one is mostly near it.
+    struct Path {
+        struct Step {
+            Cell cell;
+            unsigned child = stays_in_cell;  ///< whose cell the next step has
+            bool is_split = false;
+        };
+        std::vector<Step> steps{};
+    };
+    Path path() const {
+        return {std::vector<typename Path::Step>(own_.size(), {root_, stays_in_cell, is_split(root_)})};
+    }
+    Place place_of(const Item& item, Path& path) const {
         Place place;
-        for (; place.depth + 1 < own_.size() && is_split(cell); ++place.depth) {
-            const unsigned child = child_of_item(partition_, cell, item);
+        for (; place.depth + 1 < own_.size(); ++place.depth) {
+            typename Path::Step& step = path.steps[place.depth];
+            if (!step.is_split) break;
+            const unsigned child = child_of_item(partition_, step.cell, item);
             if (child == stays_in_cell) break;
-            cell = partition_.child(cell, {}, child);
+            if (child != step.child) {
+                step.child = child;
+                const Cell cell = partition_.child(step.cell, {}, child);
+                path.steps[place.depth + 1] = {cell, stays_in_cell, is_split(cell)};
+            }
             place.at = place.at * 8 + child;
         }
         return place;
     }
-    void add(Place place) { ++own_[place.depth][place.at]; }
+    void add(Place place, std::uint32_t count) { own_[place.depth][place.at] += count; }
     /// Makes counts of subtrees of what add() has counted of cells.
     void sum_up() {
         total_ = own_;
