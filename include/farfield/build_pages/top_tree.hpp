@@ -121,14 +121,14 @@ struct TopNode {
     std::uint32_t own_begin = 0;    ///< where its own items begin among all such, depth first
 };
 
-/// Cells with more items than `most_items` are split, as long as that is known to help. Parts in a row go into one
-/// group, up to as many items.
+/// Cells with more items than a part is to have are split, as long as that is known to help. Parts in a row go into one
+/// group, up to `most_items`, which no part exceeds if that can be.
 template <class Partition_>
 class TopTree {
   public:
     TopTree(const CellCounts<Partition_>& counts, std::uint64_t most_items) : most_items_(most_items) {
         nodes_.push_back({.cell = counts.root(), .items = counts.total(0, 0)});
-        split(counts, 0, 0, 0);
+        split(counts, 0, 0, 0, std::min(most_items, items_of_part));
         number_parts(0);
     }
     /// The same again, from its nodes.
@@ -165,8 +165,15 @@ class TopTree {
     }
 
   private:
-    void split(const CellCounts<Partition_>& counts, std::uint32_t n, unsigned depth, std::size_t at) {
-        if (nodes_[n].items <= most_items_ || depth == counts.levels() || !counts.is_split(nodes_[n].cell)) return;
+    /// What takes as many is built in a processor's cache.
+    static constexpr std::uint64_t items_of_part = 32768;
+
+    void split(const CellCounts<Partition_>& counts, std::uint32_t n, unsigned depth, std::size_t at,
+               std::uint64_t most) {
+        const std::uint64_t items = nodes_[n].items;
+        if (items <= most || depth == counts.levels() || !counts.is_split(nodes_[n].cell)) return;
+        // What is too large for the children of a cell is kept in memory to the end.
+        if (items <= most_items_ && counts.own(depth, at) > items / 8) return;
         std::uint8_t mask = 0;
         for (unsigned c = 0; c < 8; ++c) {
             if (counts.total(depth + 1, 8 * at + c) != 0) mask = std::uint8_t(mask | 1u << c);
@@ -183,7 +190,7 @@ class TopTree {
         }
         std::uint32_t child = first;
         for (unsigned c = 0; c < 8; ++c) {
-            if ((mask >> c & 1) != 0) split(counts, child++, depth + 1, 8 * at + c);
+            if ((mask >> c & 1) != 0) split(counts, child++, depth + 1, 8 * at + c, most);
         }
     }
 
