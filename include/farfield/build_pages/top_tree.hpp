@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "farfield/composition.hpp"
+#include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/hierarchy/node.hpp"
 #include "farfield/partition.hpp"
@@ -159,7 +160,7 @@ class TopTree {
         while (nodes_[n].child_mask != 0) {
             const unsigned child = child_of_item(partition, nodes_[n].cell, item);
             if (child == stays_in_cell) break;
-            n = nodes_[n].first_child + unsigned(std::popcount(nodes_[n].child_mask & ((1u << child) - 1)));
+            n = nodes_[n].first_child + bits_set[nodes_[n].child_mask & ((1u << child) - 1)];
         }
         return n;
     }
