@@ -267,7 +267,7 @@ class ShareBuilder {
                     }
                 });
                 for (const auto& own : own_of_batch) {
-                    for (const auto [i, n] : own) {
+                    for (const auto& [i, n] : own) {
                         const TopNode& node = tree.nodes()[n];
                         if (next_own[n] == node.own_begin + node.own_items) refuse_other_stream();
                         to.own_items[next_own[n]++] = block[i];
