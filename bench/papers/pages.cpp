@@ -52,10 +52,11 @@ struct Chessboard {
     template <class Take>
     void operator()(Take&& take) const {
         const auto squares = std::uint32_t(std::lround(std::sqrt(double(triangles) / 2)));
-        const auto line = [&](std::uint32_t i) { return float(double(i) / squares - 0.5); };
+        std::vector<float> line;
+        for (std::uint32_t i = 0; i <= squares; ++i) line.push_back(float(double(i) / squares - 0.5));
         for (std::uint32_t row = 0; row < squares; ++row) {
             for (std::uint32_t column = 0; column < squares; ++column) {
-                const float x0 = line(column), x1 = line(column + 1), z0 = line(row), z1 = line(row + 1);
+                const float x0 = line[column], x1 = line[column + 1], z0 = line[row], z1 = line[row + 1];
                 const glm::vec3 a(x0, 0, z0), b(x0, 0, z1), c(x1, 0, z1), d(x1, 0, z0);
                 const Rgba8 color = (row + column) % 2 == 0 ? Rgba8{24, 24, 24, 255} : Rgba8{236, 236, 236, 255};
                 take(Triangle{{a, b, c}, color});

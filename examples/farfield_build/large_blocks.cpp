@@ -39,6 +39,7 @@ class Blocks {
         is_on_.store(true, std::memory_order_release);
     }
     void turn_off() { is_on_.store(false, std::memory_order_release); }
+    int error() const { return error_.load(std::memory_order_relaxed); }
     std::uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
     /// Null if it cannot be.
@@ -46,15 +47,17 @@ class Blocks {
 #if MAPS_FILES
         std::array<char, 4096> name = name_;
         const int file = ::mkstemp(name.data());
-        if (file < 0) return nullptr;
+        if (file < 0) return refuse(errno);
         ::unlink(name.data());
         // Its room is taken now: a disk that is full later would end the program by SIGBUS.
         void* begin = MAP_FAILED;
-        if (::posix_fallocate(file, 0, ::off_t(bytes)) == 0) {
+        int error = ::posix_fallocate(file, 0, ::off_t(bytes));
+        if (error == 0) {
             begin = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+            if (begin == MAP_FAILED) error = errno;
         }
         ::close(file);
-        if (begin == MAP_FAILED) return nullptr;
+        if (begin == MAP_FAILED) return refuse(error);
         const std::lock_guard lock(mutex_);
         for (Block& b : blocks_) {
             if (b.begin != nullptr) continue;
@@ -84,7 +87,13 @@ class Blocks {
     }
 
   private:
+    void* refuse(int error) {
+        error_.store(error, std::memory_order_relaxed);
+        return nullptr;
+    }
+
     std::array<char, 4096> name_{};
+    std::atomic<int> error_{0};
     std::atomic<bool> is_on_{false};
     std::atomic<std::uint64_t> bytes_{0};
     std::mutex mutex_;
@@ -100,6 +109,9 @@ LargeBlocksInFiles::LargeBlocksInFiles(const std::filesystem::path& folder) {
 }
 LargeBlocksInFiles::~LargeBlocksInFiles() {
     blocks.turn_off();
+}
+int error_of_files() {
+    return blocks.error();
 }
 std::uint64_t bytes_in_files() {
     return blocks.bytes();

@@ -11,7 +11,7 @@ namespace farfield::scenes {
 /// which keep a file and what they make of it in arrays, need no more memory than 4 MiB for each of some tens of
 /// arrays: the system writes what has not been looked at for long to the disk and takes its memory for other things.
 /// The disk needs room for the file as text, and for about 200 bytes a triangle. Where the folder's disk is full `new`
-/// says that there is no memory. Does nothing where the system maps no files.
+/// says that there is no memory, and error_of_files() why. Does nothing where the system maps no files.
 ///
 /// It is for programs that need their memory for something else, as a build within 256 MiB does, and is slower than
 /// memory, above all for arrays that come and go: a build's own are to be made when it has gone.
@@ -23,6 +23,8 @@ class LargeBlocksInFiles {
     LargeBlocksInFiles& operator=(const LargeBlocksInFiles&) = delete;
 };
 
+/// Why the system gave no file for the last block that was refused one: its errno, or 0 if none was.
+int error_of_files();
 /// Bytes of blocks that lie in files now.
 std::uint64_t bytes_in_files();
 

@@ -16,6 +16,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <type_traits>
 
 #if defined(__GLIBC__)
@@ -169,6 +170,16 @@ void run(const Request& request, const Processes& processes) {
                 double(std::filesystem::file_size(request.out)) / 1048576, seconds);
 }
 
+/// What a reader takes for too little memory may be a disk that is full.
+void refuse(const std::string& why) {
+    std::cerr << "farfield_build: " << why;
+    if (const int error = farfield::scenes::error_of_files(); error != 0) {
+        std::cerr << ": what a model holds goes into files beside the one to be made, which the system refused: "
+                  << std::generic_category().message(error);
+    }
+    std::cerr << "\n";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -201,9 +212,9 @@ int main(int argc, char** argv) {
         run(request, processes);
         return 0;
     } catch (const std::bad_alloc&) {
-        std::cerr << "farfield_build: there is not enough memory\n";
+        refuse("there is not enough memory");
     } catch (const std::exception& error) {
-        std::cerr << "farfield_build: " << error.what() << "\n";
+        refuse(error.what());
     }
     if (processes.count > 1) Processes::give_up();
     return 2;

@@ -36,10 +36,11 @@ TriangleStream chessboard_stream(std::uint64_t triangles) {
     const auto squares = std::uint32_t(std::max(1.0, std::round(std::sqrt(double(triangles) / 2))));
     return [squares](const std::function<void(const PagedPrimitive&)>& take) {
         constexpr Rgba8 black{24, 24, 24, 255}, white{236, 236, 236, 255};
-        const auto line = [&](std::uint32_t i) { return float(double(i) / squares - 0.5); };
+        std::vector<float> line;
+        for (std::uint32_t i = 0; i <= squares; ++i) line.push_back(float(double(i) / squares - 0.5));
         for (std::uint32_t row = 0; row < squares; ++row) {
             for (std::uint32_t column = 0; column < squares; ++column) {
-                const float x0 = line(column), x1 = line(column + 1), z0 = line(row), z1 = line(row + 1);
+                const float x0 = line[column], x1 = line[column + 1], z0 = line[row], z1 = line[row + 1];
                 const Rgba8 c = (row + column) % 2 == 0 ? black : white;
                 take({{glm::vec3(x0, 0, z0), glm::vec3(x0, 0, z1), glm::vec3(x1, 0, z1)}, {c, c, c}});
                 take({{glm::vec3(x0, 0, z0), glm::vec3(x1, 0, z1), glm::vec3(x1, 0, z0)}, {c, c, c}});

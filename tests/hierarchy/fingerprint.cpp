@@ -1,5 +1,6 @@
 #include "farfield/hierarchy/fingerprint.hpp"
 
+#include <cstdint>
 #include <set>
 #include <span>
 #include <utility>
@@ -52,4 +53,12 @@ TEST_CASE("paths of instances are told apart, in their order") {
         for (std::uint64_t b = 1; b <= 60; ++b) seen.insert(mixed(mixed(0, a), b));
     }
     CHECK(seen.size() == 1 + 60 + 60 * 60);
+}
+
+TEST_CASE("what was mixed into a hash is had back from it") {
+    for (const std::uint64_t hash : {0ull, 1ull, 0x123456789abcdefull, ~0ull}) {
+        for (const std::uint64_t value : {0ull, 1ull, 77ull, 0xfedcba9876543210ull, ~0ull}) {
+            CHECK(detail::unmixed(hash, detail::mixed(hash, value)) == value);
+        }
+    }
 }

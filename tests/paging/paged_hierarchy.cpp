@@ -350,7 +350,7 @@ TEST_CASE(
             std::memcpy(page.data() + place, &value, 4);
             std::memcpy(&header, page.data(), sizeof header);
             if (header.used_bytes >= sizeof header && header.used_bytes <= h.page_bytes) {
-                detail::renumber_page(page, number);
+                detail::sign_page(page, header.used_bytes);
             }
         }
         try {
@@ -667,7 +667,7 @@ TEST_CASE("A forged file that leads to the same contents by many ways takes no l
             node.first_child_data = first.first_child_data;
             std::memcpy(at, &node, sizeof node);
         }
-        detail::renumber_page(page, number);
+        detail::sign_page(page, header.used_bytes);
     }
     auto pages = opened(bytes);
     pages.wait_for_pages(true);

@@ -253,12 +253,18 @@ struct ColorCube {
         SampleGrid grid{bounds, std::min(unsigned(std::ceil(float(samples) * looseness)), 16u), 1};
         thread_local std::vector<Rgba8> out;
         out.resize(grid.size());
-        sampler.sample(grid, contents, std::span<Rgba8>(out));
+        unsigned met = 7;  // axes that something is seen along
+        if constexpr (requires { sampler.sample_met(grid, contents, std::span<Rgba8>(out)); }) {
+            met = sampler.sample_met(grid, contents, std::span<Rgba8>(out));
+        } else {
+            sampler.sample(grid, contents, std::span<Rgba8>(out));
+        }
         stand_in_draft d{};
         const std::size_t squares = std::size_t(grid.n) * grid.n;
         const float per_unit = 1 / length_unit(cell);
         const glm::vec3 square = bounds.size() * (per_unit / float(grid.n)), half = cell.half * per_unit;
         for (unsigned s = 0; s < 6; ++s) {
+            if ((met >> s / 2 & 1) == 0) continue;
             const int u = int(s / 2 + 1) % 3, v = int(s / 2 + 2) % 3;
             // Two channels a word: 256 samples of 255 fill 16 bits.
             std::uint32_t red_blue = 0, green_alpha = 0;

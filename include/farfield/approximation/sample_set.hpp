@@ -92,10 +92,14 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         return out;
     }
 
-    /// What a split adds for each child: a surface fills four of a cell's eight, and its sample is drawn with all of
-    /// them. Stand-ins that do not pay are not kept, nor cells without use; but where splats are large, cells of few
-    /// polygons are what a chessboard's time does not grow with.
-    Work expected_work() const { return {.triangles = 0.25f * c}; }
+    /// What a split adds for each child: a surface fills four of a cell's eight, and the cell takes a sample from them,
+    /// after which a child must hold more than its stand-in costs, or it goes again. Cells of fewer were three of four
+    /// that a build made of a chessboard, and kept none of.
+    Work expected_work() const {
+        Work work = inner.expected_work();
+        work.triangles += 0.25f * c;
+        return work;
+    }
     Work work(const stand_in_data& data) const { return detail::work_of_stand_in(inner, data.inner); }
     bool is_sound(const stand_in_data& data) const {
         if (data.sample > data.left) return false;

@@ -41,6 +41,7 @@ class CellSplitter {
           memory_budget_bytes_(budget.memory_bytes),
           world_(budget.world),
           part_(budget.part),
+          origin_of_part_(budget.origin_of_part),
           control_(control),
           data_(data) {}
 
@@ -62,11 +63,16 @@ class CellSplitter {
     void take_primitives() {
         items_.reserve(primitives_.size());
         float total = 0;
-        read_primitives(primitives_, cost_, world_, data_.facts, [&](const Item& item) {
+        const auto take = [&](const Item& item) {
             items_.push_back(item);
             if constexpr (items_are_shared) whole_cost_.push_back(item.cost);
             total += item.cost;
-        });
+        };
+        if (part_ != nullptr) {
+            read_part(primitives_, cost_, origin_of_part_, data_.facts, take);
+        } else {
+            read_primitives(primitives_, cost_, world_, data_.facts, take);
+        }
         if constexpr (items_are_shared) cells_with_.assign(primitives_.size(), 1);
         data_.facts.root = part_ != nullptr ? *part_ : partition_.root(bounds_of_root(data_.facts, world_));
         drafts_.push_back({.cell = data_.facts.root, .count = items_.size(), .cost = total});
@@ -228,6 +234,7 @@ class CellSplitter {
     std::uint64_t memory_budget_bytes_;
     BoxD world_;
     const Cell* part_;
+    glm::dvec3 origin_of_part_;
     const BuildControl& control_;
     HierarchyData<Partition_, A>& data_;
 

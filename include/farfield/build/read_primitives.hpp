@@ -135,4 +135,12 @@ void read_primitives(const Span& primitives, const C& cost, const BoxD& world, H
     facts.report.primitives = primitives.size();
 }
 
+/// The same of a part of a scene, whose primitives have been read as those of the whole: nothing is summed up again.
+template <CostModel C, class Span, class Take>
+void read_part(const Span& primitives, const C& cost, glm::dvec3 origin, HierarchyFacts& facts, Take&& take) {
+    facts.origin = origin;
+    facts.primitive_count = facts.report.primitives = primitives.size();
+    for (std::size_t i = 0; i < primitives.size(); ++i) take(read_item(primitives[i], i, cost, origin).first);
+}
+
 }  // namespace farfield::detail

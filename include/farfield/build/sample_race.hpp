@@ -151,19 +151,40 @@ class SampleRace {
         return side > 0 ? area / (side * side) : 0;
     }
 
-    /// Puts the least `count` first, in order. A key and its index are one number that has the same order, so that
-    /// racers are looked up once each, and not in every comparison.
+    /// Puts the least `count` first, in order; what follows may be anything. A key and its index are one number that
+    /// has the same order, so that racers are looked up once each, and not in every comparison.
     void choose(std::size_t count, std::vector<std::uint32_t>& list) const {
         thread_local std::vector<std::uint64_t> keyed;
-        keyed.clear();
-        for (const std::uint32_t p : list) {
-            // Positive, or 0 of either sign.
-            keyed.push_back(std::uint64_t(std::bit_cast<std::uint32_t>(racers_[p].key + 0.0f)) << 32 | p);
+        keyed.resize(list.size());
+        // Positive, or 0 of either sign.
+        const auto key_of = [&](std::uint32_t p) {
+            return std::uint64_t(std::bit_cast<std::uint32_t>(racers_[p].key + 0.0f)) << 32 | p;
+        };
+        const auto write_back = [&](std::size_t n) {
+            std::transform(keyed.begin(), keyed.begin() + std::ptrdiff_t(n), list.begin(),
+                           [](std::uint64_t k) { return std::uint32_t(k); });
+        };
+        constexpr std::size_t few = 32;
+        if (count <= few) {
+            // Most of a list that has more is refused by one comparison.
+            std::size_t chosen = 0;
+            for (const std::uint32_t p : list) {
+                const std::uint64_t key = key_of(p);
+                if (chosen == count) {
+                    if (count == 0 || key > keyed[count - 1]) continue;
+                    --chosen;
+                }
+                std::size_t at = chosen++;
+                for (; at > 0 && keyed[at - 1] > key; --at) keyed[at] = keyed[at - 1];
+                keyed[at] = key;
+            }
+            return write_back(chosen);
         }
+        std::transform(list.begin(), list.end(), keyed.begin(), key_of);
         const auto middle = keyed.begin() + std::ptrdiff_t(std::min(count, keyed.size()));
         if (middle != keyed.end()) std::nth_element(keyed.begin(), middle, keyed.end());
         std::sort(keyed.begin(), middle);
-        std::transform(keyed.begin(), keyed.end(), list.begin(), [](std::uint64_t k) { return std::uint32_t(k); });
+        write_back(keyed.size());
     }
 
     bool some_child_is_short(std::size_t count, std::span<const std::uint32_t> list,

@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,9 +13,10 @@
 #include "farfield/build.hpp"
 #include "farfield/build/build_control.hpp"
 #include "farfield/build/hierarchy_builder.hpp"
+#include "farfield/build_pages/file_in_place.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
-#include "farfield/build_pages/scattered_file.hpp"
+#include "farfield/build_pages/spare_buffers.hpp"
 #include "farfield/build_pages/top_tree.hpp"
 #include "farfield/composition.hpp"
 #include "farfield/executor.hpp"
@@ -38,7 +38,8 @@ class GroupBuilder {
     using Part = BuiltPart<A>;
 
   public:
-    explicit GroupBuilder(const Build& build) : build_(build) {}
+    /// `scattered`: the primitives of the share, part after part.
+    GroupBuilder(const Build& build, FileInPlace& scattered) : build_(build), scattered_(scattered) {}
 
     struct BuiltGroup {
         std::vector<std::byte> pages;
@@ -46,12 +47,13 @@ class GroupBuilder {
         std::uint64_t needed_bytes = 0;  ///< 0, or there are no pages, which were too small
     };
     /// `first_item`: where the group begins among the primitives of the share.
-    BuiltGroup operator()(const Tree& tree, std::size_t group, const std::filesystem::path& scattered,
-                          std::uint64_t first_item) const {
+    BuiltGroup operator()(const Tree& tree, std::size_t group, std::uint64_t first_item) {
         const std::span<const std::uint32_t> nodes = tree.group(group);
-        std::vector<std::size_t> ends;
-        const std::vector<P> primitives =
-            sorted_by_part(tree, nodes, read_scattered<P>(scattered, first_item, tree.items_of_group(group)), ends);
+        std::vector<P> buffer = primitives_.take();
+        const auto count = std::size_t(tree.items_of_group(group));
+        if (buffer.size() < count) buffer.resize(count);
+        const std::span<P> primitives = std::span(buffer).first(count);
+        scattered_.read_at(first_item * sizeof(P), std::as_writable_bytes(primitives));
         const AnyExecutor alone;
         const ProgressCallback quiet;
         const BuildControl control(alone, quiet);
@@ -60,13 +62,14 @@ class GroupBuilder {
         std::vector<H> hierarchies;
         std::vector<PageTree<H, P>> trees;
         hierarchies.reserve(nodes.size());
+        std::size_t begin = 0;
         for (std::size_t i = 0; i < nodes.size(); ++i) {
-            const std::size_t first = i == 0 ? 0 : ends[i - 1];
-            const auto of_part = std::span<const P>(primitives).subspan(first, ends[i] - first);
+            const auto of_part =
+                std::span<const P>(primitives).subspan(begin, std::size_t(tree.nodes()[nodes[i]].items));
+            begin += of_part.size();
             BuildBudget budget;
             budget.part = &tree.nodes()[nodes[i]].cell;
-            // So that primitives in double precision have the origin that they have in the whole.
-            budget.world = whole_world();
+            budget.origin_of_part = build_.plan.facts.origin;
             const auto& b = build_.options.build;
             hierarchies.emplace_back(b.partition, b.approximation, b.cost_model,
                                      HierarchyBuilder<H, P, Sampler>(of_part, b.partition, b.approximation,
@@ -77,6 +80,7 @@ class GroupBuilder {
         PageForest<H, P> forest(trees, build_.plan.page_bytes, build_.plan.page_bytes);
         if (!forest.fits()) return {{}, {}, forest.needed_bytes()};
         const std::size_t page_bytes = build_.plan.page_bytes;
+        out.pages = pages_.take();
         out.pages.resize(forest.page_count() * page_bytes);
         for (std::uint32_t p = 0; p < forest.page_count(); ++p) {
             forest.fill(p, std::span(out.pages).subspan(p * page_bytes, page_bytes), p, build_.plan.facts.fingerprint);
@@ -87,41 +91,17 @@ class GroupBuilder {
             out.parts[i].report = hierarchies[i].report();
             out.parts[i].report.levels += hierarchies[i].root_cell().depth;
         }
+        primitives_.give_back(std::move(buffer));
         return out;
     }
+    /// The pages of a group have been written.
+    void give_back(BuiltGroup& group) { pages_.give_back(std::move(group.pages)); }
 
   private:
-    BoxD whole_world() const {
-        BoxD world = BoxD::empty();
-        if constexpr (has_double_bounds<P>) {
-            const glm::dvec3 o = build_.plan.facts.origin;
-            world = BoxD{o, o};
-        }
-        return world;
-    }
-    std::vector<P> sorted_by_part(const Tree& tree, std::span<const std::uint32_t> nodes, std::vector<P> mixed_up,
-                                  std::vector<std::size_t>& ends) const {
-        if (nodes.size() == 1) {
-            ends = {mixed_up.size()};
-            return mixed_up;
-        }
-        const std::uint32_t first_part = tree.nodes()[nodes[0]].part;
-        std::vector<std::uint32_t> part_of;
-        part_of.reserve(mixed_up.size());
-        std::vector<std::size_t> next(nodes.size() + 1);
-        for (const P& p : mixed_up) {
-            const Item item{local_bounds(p, build_.plan.facts.origin), 0, 0};
-            part_of.push_back(tree.nodes()[tree.node_of(build_.options.build.partition, item)].part - first_part);
-            ++next[part_of.back() + std::size_t(1)];
-        }
-        for (std::size_t i = 1; i < next.size(); ++i) next[i] += next[i - 1];
-        ends.assign(next.begin() + 1, next.end());
-        std::vector<P> sorted(mixed_up.size());
-        for (std::size_t i = 0; i < mixed_up.size(); ++i) sorted[next[part_of[i]]++] = mixed_up[i];
-        return sorted;
-    }
-
     const Build& build_;
+    FileInPlace& scattered_;
+    SpareBuffers<P> primitives_;
+    SpareBuffers<std::byte> pages_;
 };
 
 }  // namespace detail

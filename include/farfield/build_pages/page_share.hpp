@@ -4,12 +4,9 @@
 
 #include "farfield/settings.hpp"
 
-#include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
 #include <system_error>
@@ -72,70 +69,27 @@ class ShareFiles {
     PageShare share_;
 };
 
-/// A file that is written in place, and stays when something goes wrong: a build goes on with it.
-class FileInPlace {
-  public:
-    FileInPlace(const std::filesystem::path& path, bool is_new) : path_(path) {
-        file_ = std::fopen(path.string().c_str(), is_new ? "w+b" : "r+b");
-        if (file_ == nullptr) refuse_file("build_pages", path_, "cannot be opened: " + system_message(errno));
-    }
-    ~FileInPlace() {
-        if (file_ != nullptr) std::fclose(file_);
-    }
-    FileInPlace(const FileInPlace&) = delete;
-    FileInPlace& operator=(const FileInPlace&) = delete;
-
-    /// Nothing of it is left in this process: a kill right afterwards loses none of it.
-    void write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
-        seek(offset);
-        const bool is_written = std::fwrite(bytes.data(), 1, bytes.size(), file_) == bytes.size();
-        if (!is_written || std::fflush(file_) != 0) refuse_to_write();
-    }
-    void read_at(std::uint64_t offset, std::span<std::byte> bytes) {
-        seek(offset);
-        if (std::fread(bytes.data(), 1, bytes.size(), file_) != bytes.size()) {
-            refuse_file("build_pages", path_, "cannot be read, or is shorter than it was");
-        }
-    }
-    /// On the disk.
-    void sync() {
-        if (!BuildJournal::sync_file(file_)) refuse_to_write();
-    }
-
-  private:
-    void seek(std::uint64_t offset) {
-#if FARFIELD_MAPS_FILES
-        const bool good = ::fseeko(file_, ::off_t(offset), SEEK_SET) == 0;
-#else
-        const bool good = std::fseek(file_, long(offset), SEEK_SET) == 0;
-#endif
-        if (!good) refuse_to_write();
-    }
-    [[noreturn]] void refuse_to_write() {
-        refuse_file("build_pages", path_, "cannot be written: " + system_message(errno));
-    }
-    std::filesystem::path path_;
-    std::FILE* file_ = nullptr;
-};
-
 /// What the journal of a share tells.
 template <class A, class P>
 struct ShareRecord {
     SharedPlan plan;
     std::vector<TopNode> top_nodes;
-    std::vector<P> own_items;  ///< of cells above parts, depth first
+    std::vector<P> own_items;              ///< of cells above parts, depth first
+    std::vector<std::uint64_t> scattered;  ///< sum_of_scattered() of each part of the share
     std::vector<BuiltPart<A>> parts;
     std::uint32_t groups = 0;  ///< that have been built
     std::uint32_t pages = 0;   ///< that they take
 
-    static RecordBytes plan_record(const SharedPlan& plan, std::span<const TopNode> nodes,
-                                   std::span<const P> own_items) {
+    static RecordBytes plan_record(const SharedPlan& plan, std::span<const TopNode> nodes, std::span<const P> own_items,
+                                   std::span<const std::uint64_t> scattered) {
         RecordBytes r;
         r.put(plan);
         r.put(std::uint64_t(nodes.size()));
         r.put(nodes);
         r.put(std::uint64_t(own_items.size()));
         r.put(own_items);
+        r.put(std::uint64_t(scattered.size()));
+        r.put(scattered);
         return r;
     }
     static RecordBytes group_record(std::uint32_t pages, std::span<const BuiltPart<A>> parts) {
@@ -148,7 +102,7 @@ struct ShareRecord {
     /// Takes in a journal, as far as it goes; false if it has not even begun.
     bool read(std::vector<RecordBytes>& records) {
         if (records.empty() || !records[0].get(plan) || !get_all(records[0], top_nodes) ||
-            !get_all(records[0], own_items)) {
+            !get_all(records[0], own_items) || !get_all(records[0], scattered)) {
             return false;
         }
         for (std::size_t i = 1; i < records.size(); ++i) {

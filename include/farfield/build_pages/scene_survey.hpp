@@ -96,8 +96,9 @@ class SceneSurvey {
     template <class Stream>
     CellCounts<Partition_> count_cells(Stream& stream) {
         CellCounts<Partition_> counts(build_.options.build.partition, build_.plan.facts.root, Build::counted_levels);
+        using Place = typename CellCounts<Partition_>::Place;
         struct Found {
-            std::array<typename CellCounts<Partition_>::Place, stream_batch> places;
+            std::vector<std::pair<Place, std::uint32_t>> runs;  ///< of items in one place
             Work work;
         };
         std::vector<Found> found(stream_batches_at_once);
@@ -107,15 +108,19 @@ class SceneSurvey {
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
                 Found& f = found[slot];
                 f.work = {};
+                f.runs.clear();
+                auto path = counts.path();
                 for (std::size_t i = 0; i < batch.size(); ++i) {
                     const auto [item, work] = read_item(batch[i], std::size_t(first) + i,
                                                         build_.options.build.cost_model, build_.plan.facts.origin);
-                    f.places[i] = counts.place_of(item);
+                    const Place place = counts.place_of(item, path);
+                    if (f.runs.empty() || f.runs.back().first != place) f.runs.emplace_back(place, 0u);
+                    ++f.runs.back().second;
                     f.work += work;
                 }
             },
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
-                for (std::size_t i = 0; i < batch.size(); ++i) counts.add(found[slot].places[i]);
+                for (const auto& [place, items] : found[slot].runs) counts.add(place, items);
                 work_of_all.add(found[slot].work);
                 report(BuildPhase::counting, first + batch.size(), build_.plan.facts.primitive_count);
             });

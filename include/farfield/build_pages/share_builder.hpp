@@ -5,7 +5,6 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -19,6 +18,7 @@
 
 #include "farfield/build/build_progress.hpp"
 #include "farfield/build_pages/build_journal.hpp"
+#include "farfield/build_pages/file_in_place.hpp"
 #include "farfield/build_pages/group_builder.hpp"
 #include "farfield/build_pages/ordered_results.hpp"
 #include "farfield/build_pages/page_build.hpp"
@@ -77,7 +77,10 @@ class ShareBuilder {
   private:
     /// More keep threads from waiting for one another at the end of each round; a group that comes long before its turn
     /// has to wait in memory.
-    static constexpr std::size_t groups_at_once = 8;
+    static constexpr std::size_t groups_at_once = 16;
+
+    /// Of what a journal tells, and how what it tells of lies in files.
+    static constexpr std::uint64_t journal_version = 2;
 
     /// Returns 0, or the bytes that one cell needs where pages are too small for it.
     template <class Stream>
@@ -87,32 +90,31 @@ class ShareBuilder {
                           end = tree.group_count() * (share.index + std::size_t(1)) / share.count;
         BuildJournal journal(
             files.journal(),
-            mixed(mixed(mixed(build_.plan.identity, build_.plan.page_bytes), share.index), share.count));
+            mixed(mixed(mixed(mixed(build_.plan.identity, journal_version), build_.plan.page_bytes), share.index),
+                  share.count));
         ShareRecord<A, P> known;
-        std::error_code ignored;
-        if (!known.read(journal.records()) || !std::filesystem::exists(files.scattered(), ignored) ||
-            !has_pages(known, files)) {
+        std::vector<std::uint64_t> first_item{0};
+        for (std::size_t g = begin; g < end; ++g) first_item.push_back(first_item.back() + tree.items_of_group(g));
+        if (!known.read(journal.records()) || !has_pages(known, files) ||
+            !has_primitives(known, files, tree, begin, end)) {
             files.remove_all();
             known = {};
-            known.own_items = scatter(stream, tree, files, begin, end);
+            scatter(stream, tree, files, begin, end, known);
             build_.plan.top_pages = 0;
             if (tree.has_top()) {
                 const PageForest<H, P> top = TopPages<Build>(build_).forest(tree, known.own_items);
                 if (!top.fits()) return top.needed_bytes();
                 build_.plan.top_pages = top.page_count();
             }
-            // Primitives have no checksums: whatever a journal tells of them has to be there.
-            FileInPlace(files.scattered(), /*is_new=*/false).sync();
             FileInPlace(files.pages(), /*is_new=*/true);
-            journal.append(ShareRecord<A, P>::plan_record(build_.plan, tree.nodes(), known.own_items));
+            journal.append(ShareRecord<A, P>::plan_record(build_.plan, tree.nodes(), known.own_items, known.scattered));
         } else {
             build_.plan = known.plan;
         }
-        FileInPlace pages(files.pages(), /*is_new=*/false);
-        std::vector<std::uint64_t> first_item{0};
-        for (std::size_t g = begin; g < end; ++g) first_item.push_back(first_item.back() + tree.items_of_group(g));
+        FileInPlace scattered(files.scattered(), /*is_new=*/false), pages(files.pages(), /*is_new=*/false);
         std::uint32_t page_count = known.pages;
-        const GroupBuilder<Build> build_group(build_);
+        std::size_t written = known.groups;
+        GroupBuilder<Build> build_group(build_, scattered);
         // Whoever has built one writes those whose turn it is, while others build.
         OrderedResults<BuiltGroup> results(groups_at_once);
         for (std::size_t next = begin + known.groups; next < end;) {
@@ -120,10 +122,18 @@ class ShareBuilder {
             results.restart();
             std::uint64_t needed = 0;
             build_.control.run_quietly(count, [&](std::size_t i) {
-                const std::size_t g = next + i;
-                results.add(i, build_group(tree, g, files.scattered(), first_item[g - begin]), [&](BuiltGroup& group) {
+                results.add(i, build_group(tree, next + i, first_item[next + i - begin]), [&](BuiltGroup& group) {
                     if (needed == 0) needed = group.needed_bytes;
-                    if (needed == 0) write_group(group, pages, page_count, journal);
+                    if (needed != 0) return;
+                    write_group(group, pages, page_count, journal, [&](std::size_t piece, std::size_t pieces) {
+                        if (written == known.groups) return;
+                        const std::uint64_t first = first_item[written - 1] * sizeof(P),
+                                            bytes = first_item[written] * sizeof(P) - first;
+                        const std::uint64_t done = bytes * piece / pieces;
+                        scattered.forget(first + done, bytes * (piece + 1) / pieces - done);
+                    });
+                    build_group.give_back(group);
+                    ++written;
                 });
             });
             if (needed != 0) return needed;
@@ -132,6 +142,32 @@ class ShareBuilder {
                                   std::size_t(first_item.back()));
         }
         return 0;
+    }
+
+    /// Whether the primitives are there of all groups of a share that have not been built.
+    bool has_primitives(const ShareRecord<A, P>& share, const ShareFiles& files, const Tree& tree, std::size_t begin,
+                        std::size_t end) const {
+        std::error_code error;
+        if (!std::filesystem::exists(files.scattered(), error)) return false;
+        FileInPlace in(files.scattered(), /*is_new=*/false);
+        std::vector<P> primitives;
+        std::uint64_t first = 0;
+        std::size_t part = 0;
+        for (std::size_t g = begin; g < end; ++g) {
+            for (const std::uint32_t n : tree.group(g)) {
+                const auto count = std::size_t(tree.nodes()[n].items);
+                const std::uint64_t at = std::exchange(first, first + count);
+                const std::size_t number = part++;
+                if (g < begin + share.groups) continue;
+                primitives.resize(count);
+                if (number >= share.scattered.size() ||
+                    !in.reads_at(at * sizeof(P), std::as_writable_bytes(std::span(primitives))) ||
+                    sum_of_scattered(std::span<const P>(primitives), at) != share.scattered[number]) {
+                    return false;
+                }
+            }
+        }
+        return true;
     }
 
     /// Whether all pages are there that a share tells of, and whole.
@@ -158,24 +194,37 @@ class ShareBuilder {
         return true;
     }
 
-    /// Writes the pages of a group behind those that are there, and what they are into the journal.
-    void write_group(BuiltGroup& group, FileInPlace& pages, std::uint32_t& page_count, BuildJournal& journal) const {
+    /// Writes the pages of a group behind those that are there, and what they are into the journal. Calls forget(i, n)
+    /// before the i-th of n pieces is written, for as much of what is of no use any more: the system then writes into
+    /// the memory that it has just been given back, instead of memory that has never been touched, which takes several
+    /// times as long.
+    template <class Forget>
+    void write_group(BuiltGroup& group, FileInPlace& pages, std::uint32_t& page_count, BuildJournal& journal,
+                     Forget&& forget) const {
         const std::uint32_t page_bytes = build_.plan.page_bytes, top_pages = build_.plan.top_pages;
         const std::span<std::byte> bytes(group.pages);
         const auto more = std::uint32_t(bytes.size() / page_bytes);
         for (std::uint32_t p = 0; p < more; ++p) {
             renumber_page(bytes.subspan(std::size_t(p) * page_bytes, page_bytes), top_pages + page_count + p);
         }
-        pages.write_at(build_.offset_of(std::uint64_t(top_pages) + page_count), bytes);
+        const std::uint64_t offset = build_.offset_of(std::uint64_t(top_pages) + page_count);
+        constexpr std::size_t piece = std::size_t(1) << 20;
+        const std::size_t pieces = (bytes.size() + piece - 1) / piece;
+        for (std::size_t i = 0; i < pieces; ++i) {
+            forget(i, pieces);
+            pages.write_at(offset + i * piece, bytes.subspan(i * piece, std::min(piece, bytes.size() - i * piece)));
+        }
+        pages.begin_to_sync(offset, bytes.size());
         for (Part& part : group.parts) part.root.page += page_count;
         page_count += more;
         journal.append(ShareRecord<A, P>::group_record(more, group.parts));
     }
 
-    /// Puts the primitives of groups [begin, end) into a file, and returns those that stay above all parts.
+    /// Puts the primitives of groups [begin, end) into a file, part by part, and those that stay above all parts into
+    /// the record.
     template <class Stream>
-    std::vector<P> scatter(Stream& stream, const Tree& tree, const ShareFiles& files, std::size_t begin,
-                           std::size_t end) {
+    void scatter(Stream& stream, const Tree& tree, const ShareFiles& files, std::size_t begin, std::size_t end,
+                 ShareRecord<A, P>& to) {
         if (tree.own_items() * sizeof(P) > build_.options.memory_bytes / 2) {
             fail<std::invalid_argument>("farfield::build_pages: " + std::to_string(tree.own_items()) +
                                         " primitives are larger than the cells of the first " +
@@ -184,43 +233,54 @@ class ShareBuilder {
         }
         std::vector<std::uint64_t> counts;
         std::uint64_t all = 0;
-        for (std::size_t g = begin; g < end; ++g) all += counts.emplace_back(tree.items_of_group(g));
+        const std::uint32_t first_part = begin < end ? tree.nodes()[tree.group(begin)[0]].part : 0;
+        for (std::size_t g = begin; g < end; ++g) {
+            for (const std::uint32_t n : tree.group(g)) all += counts.emplace_back(tree.nodes()[n].items);
+        }
         check_disk(all);
-        std::vector<P> own(std::size_t(tree.own_items()));
+        to.own_items.resize(std::size_t(tree.own_items()));
         std::vector<std::uint32_t> next_own;
         for (const TopNode& n : tree.nodes()) next_own.push_back(n.own_begin);
-        ScatterWriter<P> writer(files.scattered(), counts, std::size_t(build_.options.memory_bytes / 4));
-        std::vector<std::array<std::uint32_t, stream_batch>> nodes(stream_batches_at_once);
+        FileInPlace file(files.scattered(), /*is_new=*/true);
+        ScatterWriter<P> writer(file, counts, build_.control);
         const std::uint64_t whole_count = build_.plan.facts.primitive_count;
-        const std::uint64_t count = in_batches<P>(
-            stream, build_.control,
-            [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
-                for (std::size_t i = 0; i < batch.size(); ++i) {
-                    nodes[slot][i] =
-                        tree.node_of(build_.options.build.partition,
-                                     {local_bounds(batch[i], build_.plan.facts.origin), std::uint32_t(first + i), 0});
-                }
-            },
-            [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
-                if (first + batch.size() > whole_count) SceneSurvey<Build>(build_).check_stream(first + batch.size());
-                for (std::size_t i = 0; i < batch.size(); ++i) {
-                    const std::uint32_t n = nodes[slot][i];
-                    const TopNode& node = tree.nodes()[n];
-                    if (node.child_mask != 0) {
+        // A quarter for what is read and for the same in order; no more than gives parts long pieces.
+        const std::uint64_t most = std::max<std::uint64_t>(build_.options.memory_bytes / (8 * sizeof(P)), stream_batch);
+        const auto block_size = std::size_t(std::min<std::uint64_t>(most, (counts.size() + 16) * 1024));
+        std::vector<std::uint32_t> part_of;
+        std::vector<std::vector<std::pair<std::size_t, std::uint32_t>>> own_of_batch;
+        const std::uint64_t count =
+            in_blocks<P>(stream, block_size, [&](std::span<const P> block, std::uint64_t first) {
+                if (first + block.size() > whole_count) SceneSurvey<Build>(build_).check_stream(first + block.size());
+                part_of.resize(block.size());
+                own_of_batch.resize((block.size() + stream_batch - 1) / stream_batch);
+                build_.control.run_quietly(own_of_batch.size(), [&](std::size_t b) {
+                    own_of_batch[b].clear();
+                    for (std::size_t i = b * stream_batch; i < std::min((b + 1) * stream_batch, block.size()); ++i) {
+                        const std::uint32_t n = tree.node_of(
+                            build_.options.build.partition,
+                            {local_bounds(block[i], build_.plan.facts.origin), std::uint32_t(first + i), 0});
+                        const TopNode& node = tree.nodes()[n];
+                        if (node.child_mask != 0) own_of_batch[b].emplace_back(i, n);
+                        const bool is_ours = node.child_mask == 0 && node.part - first_part < counts.size();
+                        part_of[i] = is_ours ? node.part - first_part : ScatterWriter<P>::nowhere;
+                    }
+                });
+                for (const auto& own : own_of_batch) {
+                    for (const auto& [i, n] : own) {
+                        const TopNode& node = tree.nodes()[n];
                         if (next_own[n] == node.own_begin + node.own_items) refuse_other_stream();
-                        own[next_own[n]++] = batch[i];
-                    } else if (const std::size_t g = tree.group_of_part(node.part); g >= begin && g < end) {
-                        writer.add(g - begin, batch[i]);
+                        to.own_items[next_own[n]++] = block[i];
                     }
                 }
-                const std::uint64_t done = first + batch.size();
+                if (!writer.add(block, part_of)) refuse_other_stream();
+                const std::uint64_t done = first + block.size();
                 if (done / Build::reported_each != first / Build::reported_each) {
                     build_.control.report(BuildPhase::moving, std::size_t(done), std::size_t(whole_count));
                 }
             });
         SceneSurvey<Build>(build_).check_stream(count);
-        writer.finish();
-        return own;
+        for (std::size_t p = 0; p < counts.size(); ++p) to.scattered.push_back(writer.sum(p));
     }
     [[noreturn]] static void refuse_other_stream() {
         fail<std::invalid_argument>(

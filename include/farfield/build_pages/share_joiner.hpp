@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "farfield/build_pages/build_journal.hpp"
+#include "farfield/build_pages/file_in_place.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
 #include "farfield/build_pages/top_pages.hpp"

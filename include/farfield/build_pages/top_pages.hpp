@@ -16,6 +16,7 @@
 #include "farfield/approximation.hpp"
 #include "farfield/build/build_node.hpp"
 #include "farfield/build/painted_contents.hpp"
+#include "farfield/build_pages/file_in_place.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
 #include "farfield/build_pages/top_tree.hpp"

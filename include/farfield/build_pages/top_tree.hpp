@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "farfield/composition.hpp"
+#include "farfield/frame/subtree.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/hierarchy/node.hpp"
 #include "farfield/partition.hpp"
@@ -50,19 +51,37 @@ class CellCounts {
     /// The cell that counts an item.
     struct Place {
         std::uint32_t depth = 0, at = 0;
+        friend bool operator==(const Place&, const Place&) = default;
     };
-    Place place_of(const Item& item) const {
-        Cell cell = root_;
+    /// The cells down to where the last item was counted. The next one is mostly near it.
+    struct Path {
+        struct Step {
+            Cell cell;
+            unsigned child = stays_in_cell;  ///< whose cell the next step has
+            bool is_split = false;
+        };
+        std::vector<Step> steps{};
+    };
+    Path path() const {
+        return {std::vector<typename Path::Step>(own_.size(), {root_, stays_in_cell, is_split(root_)})};
+    }
+    Place place_of(const Item& item, Path& path) const {
         Place place;
-        for (; place.depth + 1 < own_.size() && is_split(cell); ++place.depth) {
-            const unsigned child = child_of_item(partition_, cell, item);
+        for (; place.depth + 1 < own_.size(); ++place.depth) {
+            typename Path::Step& step = path.steps[place.depth];
+            if (!step.is_split) break;
+            const unsigned child = child_of_item(partition_, step.cell, item);
             if (child == stays_in_cell) break;
-            cell = partition_.child(cell, {}, child);
+            if (child != step.child) {
+                step.child = child;
+                const Cell cell = partition_.child(step.cell, {}, child);
+                path.steps[place.depth + 1] = {cell, stays_in_cell, is_split(cell)};
+            }
             place.at = place.at * 8 + child;
         }
         return place;
     }
-    void add(Place place) { ++own_[place.depth][place.at]; }
+    void add(Place place, std::uint32_t count) { own_[place.depth][place.at] += count; }
     /// Makes counts of subtrees of what add() has counted of cells.
     void sum_up() {
         total_ = own_;
@@ -103,14 +122,14 @@ struct TopNode {
     std::uint32_t own_begin = 0;    ///< where its own items begin among all such, depth first
 };
 
-/// Cells with more items than `most_items` are split, as long as that is known to help. Parts in a row go into one
-/// group, up to as many items.
+/// Cells with more items than a part is to have are split, as long as that is known to help. Parts in a row go into one
+/// group, up to `most_items`, which no part exceeds if that can be.
 template <class Partition_>
 class TopTree {
   public:
     TopTree(const CellCounts<Partition_>& counts, std::uint64_t most_items) : most_items_(most_items) {
         nodes_.push_back({.cell = counts.root(), .items = counts.total(0, 0)});
-        split(counts, 0, 0, 0);
+        split(counts, 0, 0, 0, std::min(most_items, items_of_part));
         number_parts(0);
     }
     /// The same again, from its nodes.
@@ -141,14 +160,21 @@ class TopTree {
         while (nodes_[n].child_mask != 0) {
             const unsigned child = child_of_item(partition, nodes_[n].cell, item);
             if (child == stays_in_cell) break;
-            n = nodes_[n].first_child + unsigned(std::popcount(nodes_[n].child_mask & ((1u << child) - 1)));
+            n = nodes_[n].first_child + bits_set[nodes_[n].child_mask & ((1u << child) - 1)];
         }
         return n;
     }
 
   private:
-    void split(const CellCounts<Partition_>& counts, std::uint32_t n, unsigned depth, std::size_t at) {
-        if (nodes_[n].items <= most_items_ || depth == counts.levels() || !counts.is_split(nodes_[n].cell)) return;
+    /// What takes as many is built in a processor's cache.
+    static constexpr std::uint64_t items_of_part = 32768;
+
+    void split(const CellCounts<Partition_>& counts, std::uint32_t n, unsigned depth, std::size_t at,
+               std::uint64_t most) {
+        const std::uint64_t items = nodes_[n].items;
+        if (items <= most || depth == counts.levels() || !counts.is_split(nodes_[n].cell)) return;
+        // What is too large for the children of a cell is kept in memory to the end.
+        if (items <= most_items_ && counts.own(depth, at) > items / 8) return;
         std::uint8_t mask = 0;
         for (unsigned c = 0; c < 8; ++c) {
             if (counts.total(depth + 1, 8 * at + c) != 0) mask = std::uint8_t(mask | 1u << c);
@@ -165,7 +191,7 @@ class TopTree {
         }
         std::uint32_t child = first;
         for (unsigned c = 0; c < 8; ++c) {
-            if ((mask >> c & 1) != 0) split(counts, child++, depth + 1, 8 * at + c);
+            if ((mask >> c & 1) != 0) split(counts, child++, depth + 1, 8 * at + c, most);
         }
     }
 

@@ -13,4 +13,11 @@ inline std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
     return hash ^ hash >> 29;
 }
 
+/// The value that mixed() has made of a hash what it is now.
+inline std::uint64_t unmixed(std::uint64_t hash, std::uint64_t result) {
+    constexpr std::uint64_t inverse = 0xf1de83e19937733du;
+    static_assert(inverse * 0x9e3779b97f4a7c15u == 1);
+    return ((result ^ result >> 29 ^ result >> 58) * inverse) ^ hash;
+}
+
 }  // namespace farfield::detail

@@ -79,12 +79,11 @@ class PageForest {
     void write(std::uint64_t fingerprint, Write&& write) const {
         std::vector<std::byte> page(page_bytes_);
         for (std::uint32_t p = 0; p < page_count_; ++p) {
-            std::fill(page.begin(), page.end(), std::byte(0));
             fill(p, page, p, fingerprint);
             write(std::span<const std::byte>(page));
         }
     }
-    /// Fills in one page, which is all zeros before, and gives it a number.
+    /// Fills in all bytes of one page, and gives it a number.
     void fill(std::uint32_t page, std::span<std::byte> bytes, std::uint32_t number, std::uint64_t fingerprint) const {
         const auto units = std::span(units_).subspan(first_unit_[page], first_unit_[page + 1] - first_unit_[page]);
         Filling to(bytes, units);
@@ -102,8 +101,7 @@ class PageForest {
         header.used_bytes = to.used_bytes;
         header.fingerprint = fingerprint;
         std::memcpy(bytes.data(), &header, sizeof header);
-        header.checksum = checksum_of_page(bytes, header.used_bytes);
-        std::memcpy(bytes.data(), &header, sizeof header);
+        sign_page(bytes, header.used_bytes);
     }
 
   private:
@@ -209,6 +207,13 @@ class PageForest {
             stand_ins = bytes.data() + at.stand_ins;
             items = bytes.data() + at.items;
             used_bytes = std::uint32_t(at.end);
+            const auto clear = [&](std::uint64_t begin, std::uint64_t end) {
+                std::fill_n(bytes.begin() + std::ptrdiff_t(begin), end - begin, std::byte(0));
+            };
+            clear(at.nodes + fill.nodes * sizeof(Node), at.node_data);
+            clear(at.node_data + fill.nodes * Records::node_data_bytes, at.stand_ins);
+            clear(at.stand_ins + fill.stand_ins * Records::stand_in_bytes, at.items);
+            clear(at.end, bytes.size());
         }
         void put(std::uint32_t node, const Node& record, [[maybe_unused]] const NodeData& data) {
             nodes[node] = record;

@@ -95,20 +95,31 @@ struct PageHeader {
 };
 static_assert(sizeof(PageHeader) == 64 && offsetof(PageHeader, checksum) == 40);
 
+inline std::uint64_t hash_before_checksum(std::span<const std::byte> page) {
+    return Xxh64::of(page.first(offsetof(PageHeader, checksum)));
+}
 /// All but the checksum itself: the header before it, and what follows.
 inline std::uint64_t checksum_of_page(std::span<const std::byte> page, std::size_t used_bytes) {
     return mixed(
-        Xxh64::of(page.first(offsetof(PageHeader, checksum))),
+        hash_before_checksum(page),
         Xxh64::of(page.first(used_bytes).subspan(offsetof(PageHeader, checksum) + sizeof(PageHeader::checksum))));
 }
 
-/// A page that has come to lie elsewhere in its file.
+/// Writes the checksum of a page whose header is there but for that.
+inline void sign_page(std::span<std::byte> page, std::size_t used_bytes) {
+    const std::uint64_t checksum = checksum_of_page(page, used_bytes);
+    std::memcpy(page.data() + offsetof(PageHeader, checksum), &checksum, sizeof checksum);
+}
+
+/// A page has come to lie elsewhere in its file. What its checksum says of all that follows the header is kept, so that
+/// a page which has been damaged remains so, and its bytes are not read again.
 inline void renumber_page(std::span<std::byte> page, std::uint32_t number) {
     PageHeader header;
     std::memcpy(&header, page.data(), sizeof header);
+    const std::uint64_t rest = unmixed(hash_before_checksum(page), header.checksum);
     header.number = number;
     std::memcpy(page.data(), &header, sizeof header);
-    header.checksum = checksum_of_page(page, header.used_bytes);
+    header.checksum = mixed(hash_before_checksum(page), rest);
     std::memcpy(page.data(), &header, sizeof header);
 }
 

@@ -42,7 +42,16 @@ class GridSampler {
 
     template <class Visit>
     void sample(const SampleGrid& grid, Visit&& visit, std::span<Rgba8> out) {
-        std::fill(out.begin(), out.end(), Rgba8{0, 0, 0, 0});
+        const unsigned met = sample_met(grid, visit, out);
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            if ((met >> axis & 1) == 0) clear(grid, axis, out);
+        }
+    }
+    /// The same, but for the sides along axes that no polygon may be seen along, which are left as they are. Returns a
+    /// bit for each of the others. What is flat is seen along one axis, and its cell has few polygons.
+    template <class Visit>
+    unsigned sample_met(const SampleGrid& grid, Visit&& visit, std::span<Rgba8> out) {
+        met_ = 0;
         depth_.resize(grid.size());
         const glm::vec3 size = grid.box.size();
         for (int axis = 0; axis < 3; ++axis) {
@@ -63,6 +72,7 @@ class GridSampler {
                 add(grid, corners, out);
             }
         });
+        return met_;
     }
 
   private:
@@ -103,6 +113,10 @@ class GridSampler {
         const std::int32_t *u = c.at[ua], *v = c.at[va];
         Int doubled_area = Int(u[1] - u[0]) * (v[2] - v[0]) - Int(u[2] - u[0]) * (v[1] - v[0]);
         if (doubled_area == 0) return;
+        if ((met_ >> a & 1) == 0) {
+            met_ |= 1u << a;
+            clear(grid, unsigned(a), out);
+        }
         // Counter-clockwise about the axis: the front looks along it.
         const bool front_looks_up = doubled_area > 0;
         const int k[3] = {0, front_looks_up ? 1 : 2, front_looks_up ? 2 : 1};
@@ -163,6 +177,12 @@ class GridSampler {
         }
     }
 
+    /// Both sides along an axis, which lie in a row.
+    static void clear(const SampleGrid& grid, unsigned axis, std::span<Rgba8> out) {
+        const std::size_t first = grid.index(2 * axis, 0, 0, 0), count = grid.size() / 3;
+        std::fill_n(out.begin() + std::ptrdiff_t(first), count, Rgba8{0, 0, 0, 0});
+    }
+
     void light_sides(const Corners& c, bool front_looks_up, float (&brightness)[2]) const {
         const glm::vec3 normal = normal_to(c.position[1] - c.position[0], c.position[2] - c.position[0]);
         brightness[front_looks_up ? 1 : 0] = light->brightness(normal);
@@ -177,6 +197,7 @@ class GridSampler {
 
     glm::vec3 steps_per_unit_{0};
     std::vector<float> depth_;
+    unsigned met_ = 0;  ///< axes that something has been sampled along, by bits
 };
 
 }  // namespace farfield
