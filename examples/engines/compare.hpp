@@ -1,0 +1,41 @@
+// Draws a forest along a path in an engine's own ways and by farfield, and prints what each takes and errs by.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engines/forest.hpp"
+#include "farfield/image.hpp"
+#include "farfield/view.hpp"
+
+namespace farfield::engines {
+
+/// A window that nobody sees, with one scene in it.
+class Stage {
+  public:
+    virtual ~Stage() = default;
+    /// In milliseconds, to the end of glFinish or what is like it.
+    virtual double frame(const Eye& eye) = 0;
+    /// Of the last frame; opaque.
+    virtual const Image& picture() const = 0;
+    /// Of the last frame, where farfield drew it.
+    virtual FrameStats stats() const { return {}; }
+};
+
+struct Way {
+    std::string name;  ///< its first word names pictures
+    std::function<std::unique_ptr<Stage>(int width, int height)> stage;
+};
+
+/// The first way is plain, the last farfield.
+using WaysOf = std::function<std::vector<Way>(const Forest&, float tolerance_px)>;
+
+/// A program: what main() returns.
+int compare(int argc, char** argv, const std::string& engine, const WaysOf& ways_of);
+
+/// The mean over squares of pixels.
+Image mean_picture(const Image& fine, int side);
+
+}  // namespace farfield::engines
