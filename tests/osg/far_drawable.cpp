@@ -76,6 +76,23 @@ TEST_CASE("without a tolerance the picture is osg's, whatever transforms stretch
     CHECK(farfield::flip(wanted, farfield::Image(width, height, wanted.at(0, 0))) > 0.05);  // there is something
 }
 
+TEST_CASE("thousands of tiny geometries, each with arrays and a state of its own, are drawn as osg draws them") {
+    const auto display = Display::open();
+    if (!display) return;
+    osg::ref_ptr<osg::Group> root = new osg::Group;
+    constexpr int side = 50;
+    for (int i = 0; i < side * side; ++i) {
+        const osg::ref_ptr<osg::Geometry> one = leaf();
+        (*static_cast<osg::Vec4Array*>(one->getColorArray()))[0] = {float(i % 7) / 6, float(i % 11) / 10, 0.2f, 1};
+        one->setCullingActive(false);  // osg would leave out what is small
+        root->addChild(placed(*one, osg::Matrixd::translate(1.5 * (i % side), 1.5 * (i / side), 0.01 * (i % 13))));
+    }
+    const farfield::engines::Eye eye{{40, 30, 60}, {36, 36, 0}};
+    const Drawn drawn = drawn_far(*root, eye, 0);
+    CHECK(drawn.stats.primitives > side * side);
+    CHECK(farfield::flip(drawn.picture, drawn_by_osg(*root, eye)) < 0.002);
+}
+
 TEST_CASE("the drawable may itself be placed, and scaled") {
     const auto display = Display::open();
     if (!display) return;
