@@ -1,6 +1,8 @@
 #include "engines/compare.hpp"
 
-#include <malloc.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +11,8 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <stdexcept>
+#include <vector>
 
 #include "farfield/measure/flip.hpp"
 #include "report/picture.hpp"
@@ -23,16 +27,10 @@ struct Options {
     std::string out;
 };
 
-/// All that malloc has given, which is what engines and Mesa's llvmpipe take.
-double heap_mb() {
-    const auto info = mallinfo2();
-    return double(info.uordblks + info.hblkhd) / 1e6;
-}
-
 struct Measured {
     std::string name;
     std::unique_ptr<Stage> stage{};
-    double prepared_s = 0, heap = 0, flip = 0;
+    double prepared_s = 0, peak_mb = 0, flip = 0;
     std::vector<double> ms{};
 
     double median() const {
@@ -41,6 +39,28 @@ struct Measured {
         return sorted[sorted.size() / 2];
     }
 };
+
+/// The most memory of a process that draws the path's ends in one way and does nothing else: engines share much among
+/// the ways of one process. To be called before an engine has begun.
+double peak_mb(const Options& options, const Forest& forest, const WaysOf& ways_of, std::size_t way) {
+    std::fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        try {
+            const auto stage = ways_of(forest, options.tolerance_px)[way].stage(options.width, options.height);
+            for (const double along : {0.0, 1.0}) stage->frame(forest.eye(along));
+            _exit(0);
+        } catch (const std::exception& error) {
+            std::cerr << error.what() << "\n";
+            _exit(1);
+        }
+    }
+    int status = 0;
+    rusage used{};
+    if (child < 0 || wait4(child, &status, 0, &used) != child || status != 0)
+        throw std::runtime_error("a way could not be drawn");
+    return double(used.ru_maxrss) * 1024 / 1e6;
+}
 
 void write_pictures(const Options& options, int frame, const std::vector<Image>& pictures,
                     const std::vector<Measured>& ways) {
@@ -60,7 +80,9 @@ void compare(const Options& options, const std::string& engine, const WaysOf& wa
     const Forest forest(options.forest);
     std::printf("%zu trees, %.2f million triangles, %d x %d\n", forest.trees.size(), double(forest.triangles()) / 1e6,
                 options.width, options.height);
-    const std::vector<Way> all = ways_of(forest, options.tolerance_px);
+    std::vector<double> peaks;
+    for (std::size_t way = 0; way < way_count; ++way) peaks.push_back(peak_mb(options, forest, ways_of, way));
+    const auto all = ways_of(forest, options.tolerance_px);
     // The same scene at 64 samples a pixel is what all are compared with; what an engine takes to begin with is its.
     constexpr int side = 8;
     const auto fine = all.front().stage(options.width * side, options.height * side);
@@ -68,20 +90,17 @@ void compare(const Options& options, const std::string& engine, const WaysOf& wa
     std::vector<Measured> ways;
     for (const Way& one : all) {
         Measured& way = ways.emplace_back(Measured{one.name});
-        const double before = heap_mb();
+        way.peak_mb = peaks[ways.size() - 1];
         const auto begin = std::chrono::steady_clock::now();
         way.stage = one.stage(options.width, options.height);
         for (int i = 0; i < options.warm_up; ++i) way.stage->frame(forest.eye(0));
         way.prepared_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        way.heap = heap_mb() - before;
     }
     double triangles = 0, stand_ins = 0;
     for (int i = 0; i < options.frames; ++i) {
         const Eye eye = forest.eye(double(i) / std::max(options.frames - 1, 1));
         for (Measured& way : ways) {  // in turns, as machines are not the same all the time
-            const double before = heap_mb();
             way.ms.push_back(way.stage->frame(eye));
-            way.heap += heap_mb() - before;
         }
         const FrameStats stats = ways.back().stage->stats();
         triangles += double(stats.primitives) / options.frames;
@@ -98,8 +117,8 @@ void compare(const Options& options, const std::string& engine, const WaysOf& wa
     }
     std::printf("%-18s %10s %12s %8s %8s %12s\n", "", "ms a frame", "times plain", "FLIP", "MB", "prepared, s");
     for (const Measured& way : ways) {
-        std::printf("%-18s %10.1f %12.2f %8.4f %8.1f %12.2f\n", way.name.c_str(), way.median(),
-                    ways[0].median() / way.median(), way.flip, way.heap, way.prepared_s);
+        std::printf("%-18s %10.1f %12.2f %8.4f %8.0f %12.2f\n", way.name.c_str(), way.median(),
+                    ways[0].median() / way.median(), way.flip, way.peak_mb, way.prepared_s);
     }
     const auto best = std::min_element(ways.begin(), ways.end() - 1,
                                        [](const Measured& a, const Measured& b) { return a.flip < b.flip; });

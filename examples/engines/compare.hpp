@@ -1,10 +1,11 @@
 // Draws a forest along a path in an engine's own ways and by farfield, and prints what each takes and errs by.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "engines/forest.hpp"
 #include "farfield/image.hpp"
@@ -29,8 +30,10 @@ struct Way {
     std::function<std::unique_ptr<Stage>(int width, int height)> stage;
 };
 
-/// The first way is plain, the last farfield.
-using WaysOf = std::function<std::vector<Way>(const Forest&, float tolerance_px)>;
+/// The first way is plain, the last farfield; two lie between. Called in processes of their own too, of which each
+/// starts the engine if that has to be started.
+inline constexpr std::size_t way_count = 4;
+using WaysOf = std::function<std::array<Way, way_count>(const Forest&, float tolerance_px)>;
 
 /// A program: what main() returns.
 int compare(int argc, char** argv, const std::string& engine, const WaysOf& ways_of);

@@ -1,5 +1,6 @@
 // Draws a forest along a path in four ways - plain, osg::LOD over osgUtil::Simplifier, osgSim::Impostor, farfield - and
 // prints what each takes and errs by. Needs a display, be it Xvfb's. See --help.
+#include <array>
 #include <memory>
 
 #include "forest.hpp"
@@ -13,13 +14,13 @@ int main(int argc, char** argv) {
                                               return std::make_unique<far_osg::Stage>(scene_of(), width, height);
                                           }};
         };
-        return std::vector{way("plain", [=] { return forest->plain(); }),
-                           way("LOD of Simplifier", [=] { return forest->with_levels(); }),
-                           way("Impostor", [=] { return forest->with_impostors(); }),
-                           farfield::engines::Way{"farfield", [=](int width, int height) {
-                                                      const auto drawable = forest->far_field(tolerance_px);
-                                                      return std::make_unique<far_osg::Stage>(
-                                                          forest->with_far_field(drawable), width, height, drawable);
-                                                  }}};
+        return std::array{way("plain", [=] { return forest->plain(); }),
+                          way("LOD of Simplifier", [=] { return forest->with_levels(); }),
+                          way("Impostor", [=] { return forest->with_impostors(); }),
+                          farfield::engines::Way{"farfield", [=](int width, int height) {
+                                                     const auto drawable = forest->far_field(tolerance_px);
+                                                     return std::make_unique<far_osg::Stage>(
+                                                         forest->with_far_field(drawable), width, height, drawable);
+                                                 }}};
     });
 }
