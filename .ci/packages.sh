@@ -6,8 +6,9 @@ farfield_packages=(g++ cmake make libglm-dev catch2 libbenchmark-dev zlib1g-dev 
 farfield_chart_packages=(gnuplot-nox)
 # For examples/view.sh: a window and what draws in it, and OpenGL without a GPU.
 farfield_viewer_packages=(libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libegl-mesa0 libgl-dev libgl1-mesa-dri)
-# For examples/osg: an engine, and a display that nobody sees.
+# For examples/osg and examples/ogre: an engine each, and a display that nobody sees.
 farfield_osg_packages=(libopenscenegraph-dev libgl-dev libgl1-mesa-dri xvfb xauth)
+farfield_ogre_packages=(libogre-1.12-dev libgl-dev libgl1-mesa-dri xvfb xauth)
 # For examples/web.sh: a web server; and a browser for its --check (400 MB). It takes npm too, where there is none.
 farfield_web_packages=(python3)
 farfield_browser_packages=(chromium)
@@ -42,6 +43,18 @@ farfield_install() {
     "${as_root[@]}" apt-get -qq update || farfield_fail "apt-get update failed"
     "${as_root[@]}" apt-get -qq install -y --no-install-recommends "${missing[@]}" >/dev/null ||
         farfield_fail "apt-get could not install: ${missing[*]}"
+}
+
+# farfield_build_example REPOSITORY TARGET PACKAGE...: builds a program of the examples, with what it needs installed,
+# and sets `build` to where it was built.
+farfield_build_example() {
+    local repository="$1" target="$2"
+    shift 2
+    farfield_install "${farfield_packages[@]}" "$@"
+    build="${BUILD_DIR:-$repository/build/examples${CXX:+-${CXX##*/}}}"
+    farfield_configure "$repository" "$build" -DCMAKE_BUILD_TYPE=Release -DFARFIELD_FIRST_LOOK="${first_look:-OFF}" \
+        -DFARFIELD_BUILD_TESTS=OFF -DFARFIELD_BUILD_EXAMPLES=ON -DFARFIELD_BUILD_BENCH=OFF
+    cmake --build "$build" --parallel "${JOBS:-$(nproc)}" --target "$target"
 }
 
 # farfield_configure SOURCE BUILD CMAKE-ARGUMENT...: with the compiler in CXX, if it is set.

@@ -12,15 +12,10 @@ set -euo pipefail
 repository="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 source "$repository/.ci/packages.sh"
 
-farfield_install "${farfield_packages[@]}"
-build="${BUILD_DIR:-$repository/build/examples${CXX:+-${CXX##*/}}}"
 out="$repository/out"
-
 # Whoever asks for something may ask for any variant and renderer, of which not all are shown unasked.
 first_look=$([[ $# -gt 0 ]] && echo OFF || echo ON)
-farfield_configure "$repository" "$build" -DCMAKE_BUILD_TYPE=Release -DFARFIELD_FIRST_LOOK="$first_look" \
-    -DFARFIELD_BUILD_TESTS=OFF -DFARFIELD_BUILD_EXAMPLES=ON -DFARFIELD_BUILD_BENCH=OFF
-cmake --build "$build" --parallel "${JOBS:-$(nproc)}" --target walkthrough
+farfield_build_example "$repository" walkthrough
 echo "built in $SECONDS s"
 
 # draw SCENE VARIANTS WALKTHROUGH-ARGUMENT...

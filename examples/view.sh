@@ -10,9 +10,5 @@ set -euo pipefail
 repository="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 source "$repository/.ci/packages.sh"
 
-farfield_install "${farfield_packages[@]}" "${farfield_viewer_packages[@]}"
-build="${BUILD_DIR:-$repository/build/examples${CXX:+-${CXX##*/}}}"
-farfield_configure "$repository" "$build" -DCMAKE_BUILD_TYPE=Release -DFARFIELD_FIRST_LOOK=OFF \
-    -DFARFIELD_BUILD_TESTS=OFF -DFARFIELD_BUILD_EXAMPLES=ON -DFARFIELD_BUILD_BENCH=OFF
-cmake --build "$build" --parallel "${JOBS:-$(nproc)}" --target viewer
+farfield_build_example "$repository" viewer "${farfield_viewer_packages[@]}"
 exec "$build/bin/viewer" "$@"

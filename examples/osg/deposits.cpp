@@ -1,5 +1,7 @@
 #include "deposits.hpp"
 
+#include <algorithm>
+#include <glm/geometric.hpp>
 #include <osg/BlendFunc>
 #include <osg/Depth>
 #include <osg/GLExtensions>
@@ -104,6 +106,18 @@ Deposits::Deposits()
     covered_->setResizeNonPowerOfTwoHint(false);
 }
 
+void Deposits::add(std::span<const farfield::Splat> splats, const glm::dmat4& to_eye) {
+    const auto scale = float(glm::length(to_eye[0]));
+    for (const farfield::Splat& s : splats) {
+        const glm::vec3 place(to_eye * glm::dvec4(s.center, 1));
+        deposits_.push_back({{place.x, place.y, place.z},
+                             osg::Vec2(s.size.x, s.size.y) * scale,
+                             s.opacity,
+                             {s.rgb.r, s.rgb.g, s.rgb.b, 255},
+                             farfield::AreaLaw(s.rgb.a)});
+    }
+}
+
 void Deposits::fit(int width, int height) {
     if (width == width_ && height == height_) return;
     width_ = width;
@@ -120,9 +134,9 @@ void Deposits::add_pass(std::size_t first, std::size_t end, bool coherent) {
     const std::size_t begin = places_->size();
     for (std::size_t i = first; i < end; ++i) {
         const Deposit& d = deposits_[i];
-        if (d.law == (coherent ? Deposit::Law::independent : Deposit::Law::coherent)) continue;
+        if (d.law == (coherent ? farfield::AreaLaw::independent : farfield::AreaLaw::coherent)) continue;
         places_->push_back(osg::Vec4(d.place, coherent ? 1 : 0));
-        sizes_->push_back(osg::Vec3(d.size, d.law == Deposit::Law::mixed ? 0.5f * d.opacity : d.opacity));
+        sizes_->push_back(osg::Vec3(d.size, d.law == farfield::AreaLaw::mixed ? 0.5f * d.opacity : d.opacity));
         colors_->push_back(d.rgb);
     }
     const auto count = GLsizei(places_->size() - begin);

@@ -2,24 +2,17 @@
 // what is in the window.
 #pragma once
 
-#include <algorithm>
-#include <cstdint>
+#include <glm/mat4x4.hpp>
 #include <osg/FrameBufferObject>
 #include <osg/Geometry>
 #include <osg/RenderInfo>
 #include <osg/Texture2D>
+#include <span>
 #include <vector>
 
-namespace far_osg {
+#include "farfield/drawables.hpp"
 
-/// Something of this opacity over an upright rectangle, in osg's eye coordinates.
-struct Deposit {
-    osg::Vec3 place;
-    osg::Vec2 size;
-    float opacity;
-    osg::Vec4ub rgb;
-    enum class Law : std::uint8_t { independent, mixed, coherent } law;
-};
+namespace far_osg {
 
 /// Whatever is in the window's depth buffer hides them, whoever drew it; they hide nothing. One context's.
 class Deposits {
@@ -27,11 +20,18 @@ class Deposits {
     Deposits();
 
     void clear() { deposits_.clear(); }
-    /// Nearer ones first.
-    void add(const Deposit& deposit) { deposits_.push_back(deposit); }
+    /// Nearer ones first. The matrix takes them to osg's eye.
+    void add(std::span<const farfield::Splat> splats, const glm::dmat4& to_eye);
     void draw(osg::RenderInfo& info);
 
   private:
+    struct Deposit {
+        osg::Vec3 place;
+        osg::Vec2 size;  ///< of an upright rectangle
+        float opacity;
+        osg::Vec4ub rgb;
+        farfield::AreaLaw law;
+    };
     struct Pass {
         bool coherent;
         GLint first;

@@ -60,6 +60,7 @@ struct MeshTriangle {
         }
         sink(farfield::PolygonD{vertices, colors});
     }
+    std::uint32_t key() const { return mesh->number; }  ///< so that a draw call is of one mesh (KeyedOrder)
 };
 static_assert(farfield::PrimitiveWithPolygons<MeshTriangle>);
 

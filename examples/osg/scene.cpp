@@ -136,7 +136,6 @@ class Scene::Reader {
         mesh.to_body = to_body;
         mesh.states = states;
         mesh.number = std::uint32_t(body.meshes.size() - 1);
-        body.triangles.reserve(body.triangles.size() + corners.triangles.size());
         for (const auto& corner : corners.triangles) {
             for (const std::uint32_t i : corner) {
                 if (i >= count)
@@ -176,6 +175,14 @@ void Scene::place(Body& body, const osg::Matrixd& to_world) {
         stretched.hierarchy = farfield::build_in_place<Hierarchy>(stretched.triangles);
         placements_.push_back({&stretched.hierarchy, stretched.triangles, farfield::Similarity()});
     }
+}
+
+osg::BoundingBox Scene::bounds() const {
+    const farfield::Box box = hierarchy_.bounds();
+    if (box.is_empty()) return {};
+    const glm::dvec3 origin = hierarchy_.origin();
+    const glm::vec3 lower(glm::dvec3(box.lower) + origin), upper(glm::dvec3(box.upper) + origin);
+    return {lower.x, lower.y, lower.z, upper.x, upper.y, upper.z};
 }
 
 std::size_t Scene::triangles() const {

@@ -4,6 +4,7 @@
 #include <deque>
 #include <glm/vec3.hpp>
 #include <map>
+#include <osg/BoundingBox>
 #include <osg/Node>
 #include <utility>
 #include <vector>
@@ -36,6 +37,7 @@ class Scene {
 
     const Hierarchy& hierarchy() const { return hierarchy_; }
     const std::vector<Placement>& placements() const { return placements_; }
+    osg::BoundingBox bounds() const;
     std::size_t triangles() const;  ///< handles, not counted again for each placement
 
   private:

@@ -29,7 +29,8 @@ class Stage::Finish : public osg::Camera::DrawCallback {
     mutable std::chrono::steady_clock::time_point end;
 };
 
-Stage::Stage(osg::ref_ptr<osg::Node> scene, int width, int height) : finish_(new Finish(width, height)) {
+Stage::Stage(osg::ref_ptr<osg::Node> scene, int width, int height, osg::ref_ptr<const FarDrawable> far_field)
+    : finish_(new Finish(width, height)), far_field_(far_field) {
     osg::ref_ptr<osg::GraphicsContext::Traits> traits = new osg::GraphicsContext::Traits;
     traits->readDISPLAY();
     traits->setUndefinedScreenDetailsToDefaultScreen();
@@ -56,8 +57,9 @@ Stage::Stage(osg::ref_ptr<osg::Node> scene, int width, int height) : finish_(new
     if (!viewer_.isRealized()) throw std::runtime_error("osg: no context could be made");
 }
 
-double Stage::frame(const Eye& eye) {
-    viewer_.getCamera()->setViewMatrixAsLookAt(eye.at, eye.target, {0, 1, 0});
+double Stage::frame(const farfield::engines::Eye& eye) {
+    const auto point = [](const glm::dvec3& p) { return osg::Vec3d(p.x, p.y, p.z); };
+    viewer_.getCamera()->setViewMatrixAsLookAt(point(eye.at), point(eye.target), {0, 1, 0});
     const auto begin = std::chrono::steady_clock::now();
     viewer_.frame();
     return std::chrono::duration<double, std::milli>(finish_->end - begin).count();
@@ -69,24 +71,8 @@ const farfield::Image& Stage::picture() const {
     return finish_->picture;
 }
 
-farfield::Image Stage::mean_picture(int side) const {
-    const farfield::Image& fine = picture();
-    farfield::Image out(fine.width() / side, fine.height() / side);
-    const int count = side * side;
-    for (int y = 0; y < out.height(); ++y) {
-        for (int x = 0; x < out.width(); ++x) {
-            int sum[3] = {count / 2, count / 2, count / 2};
-            for (int v = 0; v < side; ++v) {
-                for (int u = 0; u < side; ++u) {
-                    const farfield::Rgba8 c = fine.at(x * side + u, y * side + v);
-                    sum[0] += c.r, sum[1] += c.g, sum[2] += c.b;
-                }
-            }
-            const auto mean = [&](int i) { return static_cast<std::uint8_t>(sum[i] / count); };
-            out.at(x, y) = {mean(0), mean(1), mean(2), 255};
-        }
-    }
-    return out;
+farfield::FrameStats Stage::stats() const {
+    return far_field_.valid() ? far_field_->stats() : farfield::FrameStats{};
 }
 
 }  // namespace far_osg

@@ -1,35 +1,28 @@
 // A window that nobody sees, for one scene: draws a frame, takes its time, and reads the picture back.
 #pragma once
 
-#include <osg/Node>
 #include <osgViewer/Viewer>
 
-#include "farfield/image.hpp"
+#include "engines/compare.hpp"
+#include "far_drawable.hpp"
 
 namespace far_osg {
 
-struct Eye {
-    osg::Vec3d at, target;
-};
-
-class Stage {
+class Stage : public farfield::engines::Stage {
   public:
     /// Throws std::runtime_error, one line, where there is no display or no OpenGL 3.0.
-    Stage(osg::ref_ptr<osg::Node> scene, int width, int height);
+    Stage(osg::ref_ptr<osg::Node> scene, int width, int height, osg::ref_ptr<const FarDrawable> far_field = nullptr);
+    ~Stage() override;
 
-    ~Stage();
-
-    /// In milliseconds, from the first call to the end of glFinish.
-    double frame(const Eye& eye);
-    /// Of the last frame; opaque.
-    const farfield::Image& picture() const;
-    /// Its mean over squares of pixels.
-    farfield::Image mean_picture(int side) const;
+    double frame(const farfield::engines::Eye& eye) override;
+    const farfield::Image& picture() const override;
+    farfield::FrameStats stats() const override;
 
   private:
     class Finish;
     osg::ref_ptr<osg::GraphicsContext> context_;
     osg::ref_ptr<Finish> finish_;
+    osg::ref_ptr<const FarDrawable> far_field_;
     osgViewer::Viewer viewer_;
 };
 

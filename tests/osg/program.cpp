@@ -5,15 +5,15 @@
 #include <string>
 
 #include "catch.hpp"
-#include "display.hpp"
+#include "support/display.hpp"
 #include "support/temporary_directory.hpp"
 
 TEST_CASE("the program draws a forest in four ways, prints a table and writes pictures") {
-    const auto display = far_osg::test::Display::open();
+    const auto display = farfield::test::Display::open();
     if (!display) return;
     const farfield::test::TemporaryDirectory directory;
     const std::string command = "cd '" + directory.path().string() +
-                                "' && '" OSG_FOREST_PROGRAM
+                                "' && '" FOREST_PROGRAM
                                 "' --trees 6 --triangles 2000 --kinds 2 --width 96 --height 64 "
                                 "--frames 2 --compared 1 --out . >said 2>&1";
     const int status = std::system(command.c_str());

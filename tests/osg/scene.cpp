@@ -130,7 +130,7 @@ TEST_CASE("a scene of very many tiny geometries is read, each a mesh of its own"
     // All have the same arrays, so that the test is about nodes.
     const osg::ref_ptr<osg::Geometry> first = leaf();
     osg::ref_ptr<osg::Group> root = new osg::Group;
-    constexpr int side = 100;
+    constexpr int side = 250;  // minutes, if each took time in proportion to all
     for (int i = 0; i < side * side; ++i) {
         osg::ref_ptr<osg::Geometry> one = osg::clone(first.get(), osg::CopyOp::SHALLOW_COPY);
         root->addChild(placed(*one, osg::Matrixd::translate(2 * (i % side), 0, 2 * (i / side))));

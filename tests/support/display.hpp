@@ -1,4 +1,4 @@
-// A display that nobody sees, for all tests of this room.
+// A display that nobody sees, for tests of engines.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@
 #include "catch.hpp"
 #include "support/temporary_directory.hpp"
 
-namespace far_osg::test {
+namespace farfield::test {
 
 /// (xvfb-run fails at times for what it cannot clean up.)
 class Display {
@@ -45,7 +45,7 @@ class Display {
         return file.eof() ? "" : line;
     }
 
-    farfield::test::TemporaryDirectory directory_;
+    TemporaryDirectory directory_;
 };
 
-}  // namespace far_osg::test
+}  // namespace farfield::test
