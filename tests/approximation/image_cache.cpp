@@ -94,6 +94,8 @@ TEST_CASE("image caches whose options make no sense are refused by name", "[imag
                       Catch::Matchers::Contains("ImageCache: slices must be 1 to 8"));
     CHECK_THROWS_WITH(build<CachedImages>(balls(), {.approximation = with({.threshold_px = -1})}),
                       Catch::Matchers::Contains("threshold_px"));
+    CHECK_THROWS_WITH(build<CachedImages>(balls(), {.approximation = with({.most_ahead = 1.5f})}),
+                      Catch::Matchers::Contains("most_ahead"));
 }
 
 TEMPLATE_TEST_CASE("standing still makes images once, and no pixel changes", "[image_cache]", ZBufferRenderer,

@@ -193,7 +193,8 @@ class FarSamples {
         return is_open(x, y) ? depth : std::max(depth, first_deposit_[index(x, y)]);
     }
 
-    /// Whether something was deposited into a sample, or into one of a square of `side` x `side`, at most 8, from it on.
+    /// Whether something was deposited into a sample, or into one of a square of `side` x `side`, at most 8, from it
+    /// on.
     bool is_touched(int x, int y) const { return (bits_of(x, y).touched >> (x & 63) & 1) != 0; }
     bool is_touched(int x, int y, int side) const {
         const std::size_t first = std::size_t(y) * words_;
