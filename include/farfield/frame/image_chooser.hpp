@@ -98,7 +98,8 @@ class ImageChooser {
     CellDrawn begin_cell(const V& v, const Subtree& subtree) {
         const std::uint32_t index = kept_.index_of({v.path, subtree.node});
         KeptCell& cell = kept_.cell(index);
-        const bool is_new = cell.seen_frame + 1 != kept_.frame();
+        // What an image of a larger cell showed until now was not hidden.
+        const bool is_new = cell.seen_frame + 1 != kept_.frame() && (open_.empty() || open_.back().is_new);
         cell.seen_frame = kept_.frame();
         if (const CellImage* image = kept_.image_of(cell); image != nullptr && is_good(*image, v.view, options_)) {
             cell.drawn_frame = kept_.frame();
