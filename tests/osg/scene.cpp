@@ -147,7 +147,7 @@ TEST_CASE("what stand-ins cannot show is refused, and the node named") {
     osg::ref_ptr<osg::MatrixTransform> absolute = new osg::MatrixTransform;
     absolute->setReferenceFrame(osg::Transform::ABSOLUTE_RF);
     check_refused(*absolute, "relative");
-    osg::ref_ptr<osg::MatrixTransform> infinite = new osg::MatrixTransform(osg::Matrixd::scale(1, INFINITY, 1));
+    osg::ref_ptr<osg::MatrixTransform> infinite = new osg::MatrixTransform(osg::Matrixd::scale(1, double(INFINITY), 1));
     check_refused(*infinite, "affine");
 
     const auto with = [](auto&& change) {
