@@ -109,8 +109,8 @@ TEST_CASE("geometry without normals, colors or anything at all is taken") {
 TEST_CASE("strips, fans and quadrangles are triangles") {
     const osg::ref_ptr<osg::Geometry> geometry = leaf();
     geometry->removePrimitiveSet(0);
-    for (const GLenum mode : {GL_TRIANGLE_FAN, GL_QUADS, GL_POLYGON})
-        geometry->addPrimitiveSet(new osg::DrawArrays(mode, 0, 4));
+    for (const int mode : {GL_TRIANGLE_FAN, GL_QUADS, GL_POLYGON})
+        geometry->addPrimitiveSet(new osg::DrawArrays(GLenum(mode), 0, 4));
     geometry->addPrimitiveSet(new osg::DrawArrays(GL_TRIANGLE_STRIP, 0, 4));
     const Scene scene(*geometry);
     CHECK(scene.triangles() == 8);
