@@ -109,8 +109,8 @@ TEST_CASE("geometry without normals, colors or anything at all is taken") {
 TEST_CASE("strips, fans and quadrangles are triangles") {
     const osg::ref_ptr<osg::Geometry> geometry = leaf();
     geometry->removePrimitiveSet(0);
-    for (const GLenum mode : {GL_TRIANGLE_FAN, GL_QUADS, GL_POLYGON})
-        geometry->addPrimitiveSet(new osg::DrawArrays(mode, 0, 4));
+    for (const int mode : {GL_TRIANGLE_FAN, GL_QUADS, GL_POLYGON})
+        geometry->addPrimitiveSet(new osg::DrawArrays(GLenum(mode), 0, 4));
     geometry->addPrimitiveSet(new osg::DrawArrays(GL_TRIANGLE_STRIP, 0, 4));
     const Scene scene(*geometry);
     CHECK(scene.triangles() == 8);
@@ -147,7 +147,7 @@ TEST_CASE("what stand-ins cannot show is refused, and the node named") {
     osg::ref_ptr<osg::MatrixTransform> absolute = new osg::MatrixTransform;
     absolute->setReferenceFrame(osg::Transform::ABSOLUTE_RF);
     check_refused(*absolute, "relative");
-    osg::ref_ptr<osg::MatrixTransform> infinite = new osg::MatrixTransform(osg::Matrixd::scale(1, INFINITY, 1));
+    osg::ref_ptr<osg::MatrixTransform> infinite = new osg::MatrixTransform(osg::Matrixd::scale(1, double(INFINITY), 1));
     check_refused(*infinite, "affine");
 
     const auto with = [](auto&& change) {
