@@ -22,8 +22,8 @@ struct BuildBudget {
     std::uint32_t pieces_per_polygon = 0;
     std::uint64_t free_pieces = std::uint64_t(1) << 19;  ///< beside those
     BoxD world = BoxD::empty();                          ///< beside all that there is
-    /// Where a part of a scene is built, the cell that holds it: it is the root, as it would be a node in the whole, and
-    /// has the whole's origin. Its primitives have been looked at before.
+    /// Where a part of a scene is built, the cell that holds it: it is the root, as it would be a node in the whole,
+    /// and has the whole's origin. Its primitives have been looked at before.
     const Cell* part = nullptr;
     glm::dvec3 origin_of_part{0};
 };
