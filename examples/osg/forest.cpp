@@ -62,7 +62,7 @@ osg::ref_ptr<osg::Group> Forest::with_levels() const {
         for (const float least_px : {200.0f, 100.0f, 50.0f, 0.0f}) {
             osg::ref_ptr<osg::Geometry> level = osg::clone(tree.get(), osg::CopyOp::DEEP_COPY_ALL);
             if (ratio < 1) {
-                osgUtil::Simplifier simplifier(double(ratio));
+                osgUtil::Simplifier simplifier{double(ratio)};
                 simplifier.setDoTriStrip(false);
                 simplifier.setSmoothing(false);
                 simplifier.simplify(*level);
