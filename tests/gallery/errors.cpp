@@ -75,7 +75,7 @@ TEST_CASE("gallery: error falls as the error that is wanted falls, to none at al
     const ZBufferOptions finest{.samples = 64};
     int compared = 0;
     for (const Subject& subject : subjects(3000, {0.5f})) {
-        View view = subject.view(10, 32, 16);
+        View view = subject.view(10, 32, 4);
         const Image exact = plain_picture<Triangle>(subject.triangles, view, finest);
         for (const test::Variant& variant : gallery_variants()) {
             if (!variant.stands_in || !is_told_by_view(variant)) continue;

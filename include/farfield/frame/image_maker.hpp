@@ -87,6 +87,8 @@ class ImageMaker {
             making += wanted.making_price;
             ++made;
         }
+        // All that there are may be due in one frame, and frames that make none do not allocate.
+        if (choice_.renewals.capacity() < kept_.image_count()) choice_.renewals.reserve(2 * kept_.image_count());
         return made;
     }
 
