@@ -273,7 +273,7 @@ class ImageChooser {
     static void draw_wanted(Maker& maker, const WantedImage<Maker>& wanted, const LocalView& image_view) {
         using P = typename V::primitive_type;
         const auto& h = *static_cast<const typename V::hierarchy_type*>(wanted.hierarchy);
-        const std::span<const P> primitives(static_cast<const P*>(wanted.primitives), wanted.primitive_count);
+        const auto primitives = span_at<P>(wanted.primitives, wanted.primitive_count);
         maker.draw_contents(h, primitives, image_view, maker.path_of(wanted.cell), wanted.subtree);
     }
 
