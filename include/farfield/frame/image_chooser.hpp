@@ -18,7 +18,6 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
-#include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
