@@ -1,10 +1,19 @@
-// A display that nobody sees, for tests of engines.
+// A display that nobody sees, for tests of windows and engines.
 #pragma once
 
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
 #include <chrono>
+#include <csignal>
+#include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -13,39 +22,85 @@
 
 namespace farfield::test {
 
-/// (xvfb-run fails at times for what it cannot clean up.)
+/// An X server of this test alone, which answers from the constructor's end to the destructor's. Its number is this
+/// process', not the first that is free: a server on its way out takes the socket of its number with it, be it that of
+/// whoever came after. (xvfb-run fails at times for that, and for what it cannot clean up.)
 class Display {
   public:
     Display() {
-        // Ten minutes, should a test end before this does.
-        run("timeout 600 Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>number 2>said & echo $! >pid");
-        for (int i = 0; i < 600 && number().empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-        setenv("DISPLAY", (":" + number()).c_str(), 1);
-        setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
+        constexpr int servers = 20, first = 100, numbers = 50'000;
+        for (int i = 0; i < servers; ++i) {
+            number_ = first + (getpid() + i * 7919) % numbers;
+            if (answers_soon()) return;
+            stop();
+        }
+        throw std::runtime_error("Xvfb starts and does not answer: none of " + std::to_string(servers) + " tries");
     }
-    ~Display() { run("kill $(cat pid)"); }
+    ~Display() { stop(); }
     Display(const Display&) = delete;
     Display& operator=(const Display&) = delete;
 
-    /// Null where there is no Xvfb, and the test says so.
+    /// Null where there is no Xvfb, and the test says so. Programs that this one runs use it.
     static std::unique_ptr<Display> open() {
-        if (std::system("command -v Xvfb >/dev/null 2>&1") == 0) return std::make_unique<Display>();
-        WARN("skipped: Xvfb is not there");
-        return nullptr;
+        if (std::system("command -v Xvfb >/dev/null 2>&1") != 0) {
+            WARN("skipped: Xvfb is not there");
+            return nullptr;
+        }
+        auto display = std::make_unique<Display>();
+        setenv("DISPLAY", display->name().c_str(), 1);
+        setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
+        unsetenv("WAYLAND_DISPLAY");
+        return display;
     }
 
+    std::string name() const { return ":" + std::to_string(number_); }
+
   private:
-    int run(const std::string& command) const {
-        return std::system(("cd '" + directory_.path().string() + "' && { " + command + "; }").c_str());
+    bool answers_soon() {
+        process_ = fork();
+        if (process_ == 0) {
+            const int said = ::open((directory_ / "said").c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0644);
+            dup2(said, STDOUT_FILENO);
+            dup2(said, STDERR_FILENO);
+            // Ten minutes, should this program end before the server does. It must not end with its last client: the
+            // next one is the same test's.
+            execlp("timeout", "timeout", "600", "Xvfb", name().c_str(), "-screen", "0", "1280x1024x24", "-noreset",
+                   "-nolisten", "tcp", "-nolisten", "local", static_cast<char*>(nullptr));
+            _exit(127);
+        }
+        for (int i = 0; process_ > 0 && i < 600; ++i) {
+            if (answers()) return true;
+            if (waitpid(process_, nullptr, WNOHANG) == process_) process_ = 0;  // the number is taken
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+        return false;
     }
-    std::string number() const {
-        std::ifstream file(directory_ / "number");
-        std::string line;
-        std::getline(file, line);
-        return file.eof() ? "" : line;
+
+    /// As a client begins: the least that may be asked, which a server either grants (1) or not.
+    bool answers() const {
+        const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+        sockaddr_un address{};
+        address.sun_family = AF_UNIX;
+        std::snprintf(address.sun_path, sizeof address.sun_path, "/tmp/.X11-unix/X%d", number_);
+        const std::array<char, 12> hello{'l', 0, 11};
+        char granted = 0;
+        const bool did = connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+                         send(socket, hello.data(), hello.size(), MSG_NOSIGNAL) == ssize_t(hello.size()) &&
+                         recv(socket, &granted, 1, 0) == 1;
+        close(socket);
+        return did && granted == 1;
+    }
+
+    void stop() {
+        if (process_ <= 0) return;
+        kill(process_, SIGTERM);
+        waitpid(process_, nullptr, 0);
+        process_ = 0;
     }
 
     TemporaryDirectory directory_;
+    int number_ = 0;
+    pid_t process_ = 0;
 };
 
 }  // namespace farfield::test

@@ -2,13 +2,11 @@
 #include <sys/wait.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "catch.hpp"
@@ -17,9 +15,11 @@
 #include "report/picture.hpp"
 #include "scenes/load/texture.hpp"
 #include "stage.hpp"
+#include "support/display.hpp"
 #include "support/temporary_directory.hpp"
 
 using farfield::Image;
+using farfield::test::Display;
 using farfield::test::TemporaryDirectory;
 
 namespace {
@@ -54,34 +54,10 @@ Outcome run(const TemporaryDirectory& directory, const std::string& command) {
 
 const std::string program = "'" VIEWER_PROGRAM "' ";
 
-/// A display of its own, that nobody sees. (xvfb-run fails at times for what it cannot clean up.)
-class Display {
-  public:
-    Display() {
-        // Ten minutes, should a test end before this does.
-        run(directory_, "timeout 600 Xvfb -displayfd 3 -screen 0 1280x1024x24 -nolisten tcp 3>number & echo $! >pid");
-        for (int i = 0; i < 600 && number().empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-    ~Display() { run(directory_, "kill $(cat pid)"); }
-    Display(const Display&) = delete;
-    Display& operator=(const Display&) = delete;
-
-    /// What commands begin with.
-    std::string prefix() const { return "env -u WAYLAND_DISPLAY DISPLAY=:" + number() + " "; }
-
-  private:
-    std::string number() const {
-        const std::string line = content_of(directory_ / "number");
-        return line.empty() || line.back() != '\n' ? "" : line.substr(0, line.size() - 1);
-    }
-
-    TemporaryDirectory directory_;
-};
-
 Outcome play(const TemporaryDirectory& directory, const std::string& arguments, const std::string& script) {
     directory.write("script", script);
-    const Display display;
-    return run(directory, display.prefix() + program + arguments + " --script script");
+    const auto display = Display::open();
+    return run(directory, program + arguments + " --script script");
 }
 
 Image read_png(const std::filesystem::path& file) {
@@ -191,7 +167,7 @@ TEST_CASE("keys and the mouse of X turn the view and take a picture of it") {
         return;
     }
     const TemporaryDirectory directory;
-    const Display display;
+    const auto display = Display::open();
     // The drag begins where no panel is, should they still be there. Pictures are taken until three in a row are the
     // same: by then all has been drawn.
     directory.write(
@@ -209,7 +185,7 @@ TEST_CASE("keys and the mouse of X turn the view and take a picture of it") {
             "    [ $# = 3 ] && cmp -s $1 $2 && cmp -s $2 $3 && cp $3 last.png && break\n"
             "done\n"
             "xdotool key Escape\nwait $viewer\n");
-    const Outcome outcome = run(directory, display.prefix() + "sh hands");
+    const Outcome outcome = run(directory, "sh hands");
     INFO(outcome.said);
     REQUIRE(outcome.status == 0);
     Seen seen("tree");
@@ -221,8 +197,7 @@ TEST_CASE(
     "without a display, with an OpenGL that is too old, or with nothing to open there is one line, and status 2") {
     if (!can_look()) return;
     const TemporaryDirectory directory;
-    const Display display;
-    const std::string prefix = display.prefix();
+    const auto display = Display::open();
     const auto refuses = [&](const std::string& command, const std::string& why) {
         const Outcome outcome = run(directory, command);
         INFO(outcome.said);
@@ -231,12 +206,12 @@ TEST_CASE(
         CHECK(outcome.said.find(why) != std::string::npos);
     };
     refuses("env -u DISPLAY -u WAYLAND_DISPLAY " + program, "there is no display");
-    refuses(prefix + "MESA_GL_VERSION_OVERRIDE=3.3 " + program, "OpenGL 4.5");
-    refuses(prefix + program + "nothing.ply", "nothing.ply");
-    refuses(prefix + program + "cube --variant sphere", "no variant 'sphere'");
-    refuses(prefix + program + "--size big", "--size");
-    refuses(prefix + program + "--script none", "none");
+    refuses("MESA_GL_VERSION_OVERRIDE=3.3 " + program, "OpenGL 4.5");
+    refuses(program + "nothing.ply", "nothing.ply");
+    refuses(program + "cube --variant sphere", "no variant 'sphere'");
+    refuses(program + "--size big", "--size");
+    refuses(program + "--script none", "none");
     directory.write("wrong", "wait\nkey Ctrl\n");
-    refuses(prefix + program + "cube --script wrong", "line 2");
+    refuses(program + "cube --script wrong", "line 2");
     CHECK(run(directory, program + "--help").status == 0);
 }
