@@ -82,6 +82,9 @@ struct Built {
     }
 };
 
+/// Of all z-buffers: the paper's peer was a scalar one.
+Simd simd = Simd::automatic;
+
 /// A hierarchy with a viewer and renderer of its own.
 template <class A, class R = ZBufferRenderer>
 struct Player {
@@ -94,7 +97,7 @@ struct Player {
     explicit Player(const scenes::Scene& scene, const A& approximation = {}, int samples = 1,
                     const MeasuredTime& prices = {})
         : built(scene, approximation, prices),
-          renderer(ZBufferOptions{.samples = samples}),
+          renderer(ZBufferOptions{.samples = samples, .simd = simd}),
           viewer(built.hierarchy, std::span<const Object>(built.objects), renderer) {}
 };
 
@@ -585,7 +588,8 @@ void print_usage() {
         "  --only ROWS      one of: walk, alone, short, trees, displacement, shading, still, build\n"
         "  --slices N, --items N, --ground, --conservative   what all images are: of depth slices, of cells of at "
         "least\n"
-        "                   N items (8192), of ground as well, good by the conservative metric");
+        "                   N items (8192), of ground as well, good by the conservative metric\n"
+        "  --scalar         all z-buffers without vectors, as the paper's were");
 }
 
 }  // namespace
@@ -624,6 +628,8 @@ int main(int argc, char** argv) {
         } else if (option == "--ground") {
             images.of_instances_only = false;
             images.most_ahead = 0;
+        } else if (option == "--scalar") {
+            simd = Simd::scalar;
         } else if (option == "--conservative") {
             images.is_conservative = true;
         } else {
