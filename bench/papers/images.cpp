@@ -589,6 +589,7 @@ void print_usage() {
         "  --slices N, --items N, --ground, --conservative   what all images are: of depth slices, of cells of at "
         "least\n"
         "                   N items (8192), of ground as well, good by the conservative metric\n"
+        "  --ahead N        made ahead by so many hundredths of their lives (75)\n"
         "  --scalar         all z-buffers without vectors, as the paper's were");
 }
 
@@ -628,6 +629,8 @@ int main(int argc, char** argv) {
         } else if (option == "--ground") {
             images.of_instances_only = false;
             images.most_ahead = 0;
+        } else if (option == "--ahead") {
+            images.most_ahead = over_far.most_ahead = 0.01f * float(number_after());
         } else if (option == "--scalar") {
             simd = Simd::scalar;
         } else if (option == "--conservative") {

@@ -56,10 +56,11 @@ class DisplacementMeter : public ZBufferRenderer {
     void draw(std::span<const ImageQuad> quads) {
         for (const ImageQuad& q : quads) {
             const std::vector<Sample>& shown = images_[q.image];
+            const auto here = [&](const Sample& s) { return Sample{outside(local_, s.is), outside(local_, s.shown)}; };
             if (makes_image_) {
-                for (std::size_t i = 0; i < shown.size(); i += 1 + shown.size() / 64) keep(shown[i]);
+                for (std::size_t i = 0; i < shown.size(); i += 1 + shown.size() / 64) keep(here(shown[i]));
             } else {
-                for (const Sample& s : shown) compare(s);
+                for (const Sample& s : shown) compare(here(s));
             }
         }
         ZBufferRenderer::draw(quads);
@@ -79,18 +80,25 @@ class DisplacementMeter : public ZBufferRenderer {
         const glm::vec3 eye = outside(image_view_, image_view_.eye);
         for (Sample& s : made_) {
             const float depth = glm::dot(s.shown - eye, outermost_.forward);
-            s.shown = eye + (s.shown - eye) * (quad_depth_ * image_view_.scale / depth);
+            s = {inside(image_view_, s.is),
+                 inside(image_view_, eye + (s.shown - eye) * (quad_depth_ * image_view_.scale / depth))};
         }
         images_[image] = made_;
         return image;
     }
 
   private:
-    /// In coordinates of the outermost hierarchy.
+    /// Of an image, in the coordinates of the hierarchy that has it: it may be made from where the viewer will be.
+    /// While it is made, in those of the outermost one, as if the viewer were there.
     struct Sample {
         glm::vec3 is, shown;
     };
 
+    glm::vec3 inside(const LocalView& view, glm::vec3 p) const {
+        const glm::vec3 d = (p - outermost_.eye) / view.scale;
+        return view.eye + view.right * glm::dot(d, outermost_.right) + view.up * glm::dot(d, outermost_.up) +
+               view.forward * glm::dot(d, outermost_.forward);
+    }
     glm::vec3 outside(const LocalView& view, glm::vec3 p) const {
         const glm::vec3 d = (p - view.eye) * view.scale;
         return outermost_.eye + outermost_.right * glm::dot(d, view.right) + outermost_.up * glm::dot(d, view.up) +
