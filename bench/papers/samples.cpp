@@ -253,10 +253,8 @@ void wrong_cells() {
         ids[i] = {o[i].vertices, Rgba8{std::uint8_t(id), std::uint8_t(id >> 8), std::uint8_t(id >> 16), 255}};
     }
     const H h = build<H>(ids, {.approximation = {.most_areas_for_sample = INFINITY}});
-    ZBufferRenderer renderer;
-    auto viewer = make_viewer(h, ids, renderer);
-    std::vector<std::uint32_t> position(ids.size());
-    for (std::uint32_t i = 0; i < ids.size(); ++i) position[h.order()[i]] = i;
+    ZBufferRenderer renderer, antialiasing(ZBufferOptions{.samples = 64});  // the second draws samples
+    auto viewer = make_viewer(h, ids, renderer), stopping = make_viewer(h, ids, antialiasing);
     for (const double distance : {8.0, 16.0, 30.0}) {
         std::size_t cells = 0, wrong = 0, well_filled = 0, well_filled_wrong = 0;
         double seen_pixels = 0, wrong_pixels = 0;
@@ -273,7 +271,7 @@ void wrong_cells() {
                 const std::uint32_t id = c.r | std::uint32_t(c.g) << 8 | std::uint32_t(c.b) << 16;
                 if (id != 0) ++pixels_of[id - 1];
             }
-            const auto selection = viewer.select(view);
+            const auto selection = stopping.select(view);
             std::vector<char> is_drawn(ids.size(), 0);  // by position
             std::vector<Subtree> stops;
             selection.for_each([&](const auto&, const Selected& s) {
