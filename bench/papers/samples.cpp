@@ -372,9 +372,12 @@ void uniform_subsets() {
     for (const double distance : {8.0, 16.0, 30.0}) views.push_back(views_around(o, distance, 1).front());
     row("one object", o, views);
     const Triangles board =
-        scenes::chessboard({.triangles = is_quick ? 200'000u : 2'000'000u, .side_m = 1}).groups.back().triangles;
-    const glm::dvec3 eye(0, 0.02, 0.45);
-    row("a chessboard", board, {paper_view(eye, eye + glm::dvec3(0, std::sin(-0.14), -std::cos(0.14)), 2)});
+        scenes::chessboard({.triangles = is_quick ? 1'000'000u : 8'000'000u, .side_m = 1}).groups.back().triangles;
+    const glm::dvec3 eye(0, 0.05, 0.45), towards(0, std::sin(-0.14), -std::cos(0.14));
+    for (const float splat : {2.0f, 4.0f, 8.0f}) {
+        const std::string name = "a chessboard, splat " + std::to_string(int(splat));
+        row(name.c_str(), board, {paper_view(eye, eye + towards, splat)});
+    }
 }
 
 /// Section 7.5.
