@@ -139,7 +139,7 @@ void print(const Measured& m) {
                 static_cast<unsigned long long>(m.stats.primitives), m.kilobytes());
 }
 
-void draw_forest() {
+void draw_forest(const std::string& only) {
     const scenes::Scene scene = scenes::quadrupled_forest();
     std::printf(
         "\n| quadrupled forest | alone, ms | frames a second | stand-ins | triangles | kB | shaped by the processor, "
@@ -164,16 +164,16 @@ void draw_forest() {
             }
         }
     };
-    draw("cubes", *built<ColorCube>(scene));
-    draw("tensors", *built<OpacityTensor>(scene));
+    if (only != "tensors") draw("cubes", *built<ColorCube>(scene));
+    if (only != "cubes") draw("tensors", *built<OpacityTensor>(scene));
 }
 
 }  // namespace
 
-/// The molecule, or the forest, or both.
+/// The molecule, or the forest, or both; of the forest tensors or cubes, or both.
 int main(int argc, char** argv) {
     setenv("LP_NUM_THREADS", "0", /*overwrite=*/0);  // llvmpipe draws on one thread, as all else here does
     const std::string only = argc > 1 ? argv[1] : "";
     if (only != "forest") draw_molecule();
-    if (only != "molecule") draw_forest();
+    if (only != "molecule") draw_forest(argc > 2 ? argv[2] : "");
 }

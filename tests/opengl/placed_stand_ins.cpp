@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/vec3.hpp>
 #include <iterator>
 #include <random>
@@ -171,8 +172,8 @@ TEST_CASE("OpenGL draws placed stand-ins that software does not hide", "[opengl]
             GlRenderer shading, alone;
             opengl::CulledInSoftware culled(shading, ZBufferOptions{});
             static_assert(decltype(culled)::facts.shapes_stand_ins);
-            auto viewer = make_viewer(hierarchy, triangles, culled),
-                 reference = make_viewer(hierarchy, triangles, alone);
+            auto viewer = make_viewer(hierarchy, triangles, culled);
+            auto reference = make_viewer(hierarchy, triangles, alone);
             for (const View& view : {looking({0.5, 1, 6}, {}, 120, 2), looking({5, 0, 0.3}, {}, 120, 3)}) {
                 viewer.frame(view);
                 reference.frame(view);
@@ -183,6 +184,52 @@ TEST_CASE("OpenGL draws placed stand-ins that software does not hide", "[opengl]
         };
         compare(tensors);
         compare(cubes);
+    }
+    gl.check_clean();
+}
+
+TEST_CASE("OpenGL is sent one view where a camera moves among instances, and sees them where they are", "[opengl]") {
+    OpenGl gl;
+    if (!gl) return;
+    {
+        using Inner = HierarchyOf<OpacityTensor>;
+        using Placed = Instance<Inner, Triangle>;
+        const auto triangles = leaves_and_a_ball(4'000, 4);
+        const auto inner = build<Inner>(triangles);
+        std::mt19937 random(5);
+        std::uniform_real_distribution<float> in(-1, 1);
+        std::vector<Placed> all;
+        for (int i = 0; i < 900; ++i) {
+            // Far from where the coordinates begin, turned and scaled.
+            glm::dmat4 m =
+                glm::translate(glm::dmat4(1), glm::dvec3(4e5 + 4 * (i % 30), 2 * double(in(random)), 4 * (i / 30)));
+            m = glm::rotate(m, 3 * double(in(random)), glm::dvec3(0.2, 1, double(in(random))));
+            m = glm::scale(m, glm::dvec3(1 + 0.5 * double(in(random))));
+            all.push_back({.hierarchy = &inner, .primitives = triangles, .to_world = Similarity(m)});
+        }
+        const auto hierarchy = build<SpatialHierarchy<Octree, OpacityTensor, TriangleCount>>(all);
+        const glm::dvec3 center(4e5 + 60, 0, 60);
+        View above = looking(center + glm::dvec3(20, 70, 60), center, 160, 2),
+             among = looking(center + glm::dvec3(2, 3, 2), center + glm::dvec3(30, 0, 30), 160, 2);
+        View parallel = looking_orthographic(center + glm::dvec3(20, 70, 60), center, 60, 160, 2);
+        GlRenderer renderer;
+        ZBufferRenderer reference;
+        auto viewer = make_viewer(hierarchy, all, renderer);
+        auto by_processor = make_viewer(hierarchy, all, reference);
+        for (View view : {above, among, parallel}) {
+            FrameStats stats = viewer.frame(view);
+            by_processor.frame(view);
+            CHECK(stats.instances > 100);
+            CHECK(flip(renderer.image(), reference.image()) < 0.03);
+            for (const double step : {0.0, 0.002}) {
+                view.camera.eye += glm::dvec3(step, 0, step);
+                stats = viewer.frame(view);
+                by_processor.frame(view);
+                INFO(renderer.stats().uploaded_bytes << " bytes, " << stats.instances << " instances");
+                CHECK(renderer.stats().uploaded_bytes <= (step == 0 ? 0 : 16 * stats.instances));
+                CHECK(flip(renderer.image(), reference.image()) < 0.03);
+            }
+        }
     }
     gl.check_clean();
 }
