@@ -19,6 +19,7 @@
 //                                                           corners
 //     words_placed, place(data, cell, words), draw_placed(words, count, view, sink)
 //                                                           many at once, by splats: see DrawsPlaced
+//     placed(words, count) -> PlacedStandIns                what they are, for renderers that make the splats
 //
 // Facts announce whatever else it has, and make it required.
 #pragma once
