@@ -88,6 +88,13 @@ struct SplatsOfUnknownSize : Runs {
     using Runs::draw;
     void draw(std::span<const Splat>) {}
 };
+struct ShapesWithoutSaying : Runs {
+    static constexpr RendererFacts facts{.draws_splats = true, .shapes_stand_ins = true};
+    using Runs::draw;
+    void draw(std::span<const Splat>) {}
+    void draw(const PlacedStandIns&) {}
+    float largest_splat_px() const { return 2; }
+};
 struct MisspeltHidden : Runs {
     static constexpr RendererFacts facts{.answers_hidden = true};
     bool is_hidden(const Cell&, CellId) { return false; }
@@ -125,6 +132,7 @@ static_assert(!Renderer<MisspeltLifetime, Triangle> && !detail::TellsLifetimeIfS
               Renderer<LifetimeWithoutFlag, Triangle> && TellsLifetime<ZBufferRenderer>);
 static_assert(!Renderer<MisspeltFaces, Triangle> && !detail::DrawsFacesIfStated<MisspeltFaces>);
 static_assert(!Renderer<SplatsOfUnknownSize, Triangle> && !detail::DrawsSplatsIfStated<SplatsOfUnknownSize>);
+static_assert(!Renderer<ShapesWithoutSaying, Triangle> && !detail::ShapesStandInsIfStated<ShapesWithoutSaying>);
 static_assert(!Renderer<MisspeltHidden, Triangle> && !Renderer<HiddenPerhaps, Triangle> &&
               !detail::AnswersHiddenIfStated<MisspeltHidden>);
 static_assert(!Renderer<MisspeltDeposits, Triangle> && !Renderer<DepositsPerhaps, Triangle> &&

@@ -8,6 +8,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -37,12 +38,14 @@ double milliseconds(scenes::SceneViewer& viewer, const View& view, FrameStats& s
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// OpenGL alone, and with a z-buffer on the processor that says what is hidden.
-struct Pair {
-    std::unique_ptr<scenes::SceneViewer> alone, culled;
+/// OpenGL alone; the same where stand-ins are shaped by the processor and sent; and with a z-buffer on the processor
+/// that says what is hidden.
+struct Viewers {
+    std::unique_ptr<scenes::SceneViewer> alone, sent, culled;
 
-    explicit Pair(const scenes::BuiltScene& of)
+    explicit Viewers(const scenes::BuiltScene& of)
         : alone(of.viewer({.kind = scenes::RendererKind::opengl, .draws_hidden = true})),
+          sent(of.viewer({.kind = scenes::RendererKind::opengl, .draws_hidden = true, .shapes_here = true})),
           culled(of.viewer({.kind = scenes::RendererKind::opengl})) {}
 };
 
@@ -55,41 +58,53 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-/// Frames of both in turns, in rows of five as a user's follow one another; each from a step farther to the right, so
-/// that what changes is sent. Medians, a first row left out, which sends everything.
-struct Medians {
-    double alone_ms = 0, culled_ms = 0;
-    FrameStats alone, culled;
+/// Of the frames of one viewer.
+struct Measured {
+    std::vector<double> all_ms{}, all_bytes{};
+    FrameStats stats{};
 
-    Medians(
-        Pair& pair, View view, double step, const std::function<void(const View&)>& between_rows = [](auto&) {}) {
-        std::vector<double> all_alone, all_culled;
-        for (int i = 0; i < 20; ++i) {
-            if (i % 5 == 0) between_rows(view);
-            view.camera.eye += glm::dvec3(view.camera.right) * step;
-            const double alone_took = milliseconds(*pair.alone, view, alone);
-            const double culled_took = milliseconds(*pair.culled, view, culled);
-            if (i < 5) continue;
-            all_alone.push_back(alone_took);
-            all_culled.push_back(culled_took);
-        }
-        alone_ms = median(all_alone);
-        culled_ms = median(all_culled);
+    void draw(scenes::SceneViewer& viewer, const View& view) {
+        all_ms.push_back(milliseconds(viewer, view, stats));
+        all_bytes.push_back(double(viewer.sent_bytes()));
+    }
+    void forget() { all_ms.clear(), all_bytes.clear(); }
+    double ms() const { return median(all_ms); }
+    double kilobytes() const {
+        return std::accumulate(all_bytes.begin(), all_bytes.end(), 0.0) / (1000 * double(all_bytes.size()));
     }
 };
 
-void compare(const char* what, scenes::SceneViewer& one_call, Pair& far, const View& view, double step) {
+/// Frames of all in turns, in rows of five as a user's follow one another; each from a step farther to the right, so
+/// that what changes is sent. Medians and mean bytes, a first row left out, which sends everything.
+struct InTurns {
+    Measured alone, sent, culled;
+
+    InTurns(
+        Viewers& viewers, View view, double step, const std::function<void(const View&)>& between_rows = [](auto&) {}) {
+        for (int i = 0; i < 20; ++i) {
+            if (i == 5) alone.forget(), sent.forget(), culled.forget();
+            if (i % 5 == 0) between_rows(view);
+            view.camera.eye += glm::dvec3(view.camera.right) * step;
+            alone.draw(*viewers.alone, view);
+            sent.draw(*viewers.sent, view);
+            culled.draw(*viewers.culled, view);
+        }
+    }
+};
+
+void compare(const char* what, scenes::SceneViewer& one_call, Viewers& far, const View& view, double step) {
     std::vector<double> exact;
     FrameStats stats;
-    const Medians m(far, view, step, [&](View all) {
+    const InTurns m(far, view, step, [&](View all) {
         all.tolerance_px = 0;
         exact.push_back(milliseconds(one_call, all, stats));
     });
     exact.erase(exact.begin());
     const double exact_ms = median(exact);
-    std::printf("| %s, %g px, %s | %.1f | %.2f | %.0f | %llu | %.2f | %.0f | %llu |\n", what, double(view.tolerance_px),
-                step == 0 ? "still" : "moving", exact_ms, m.alone_ms, exact_ms / m.alone_ms, stand_ins(m.alone),
-                m.culled_ms, exact_ms / m.culled_ms, stand_ins(m.culled));
+    std::printf("| %s, %g px, %s | %.1f | %.2f | %.0f | %llu | %.1f | %.2f; %.1f | %.2f | %.0f | %llu | %.1f |\n", what,
+                double(view.tolerance_px), step == 0 ? "still" : "moving", exact_ms, m.alone.ms(),
+                exact_ms / m.alone.ms(), stand_ins(m.alone.stats), m.alone.kilobytes(), m.sent.ms(), m.sent.kilobytes(),
+                m.culled.ms(), exact_ms / m.culled.ms(), stand_ins(m.culled.stats), m.culled.kilobytes());
     std::fflush(stdout);
 }
 
@@ -105,10 +120,11 @@ void draw_molecule() {
     const auto exact = built<Exact>(scene), cubes = built<ColorCube>(scene), tensors = built<OpacityTensor>(scene);
     const scenes::RendererChoice opengl{.kind = scenes::RendererKind::opengl};
     const auto one_call = exact->viewer(opengl);
-    Pair of_cubes(*cubes), of_tensors(*tensors);
+    Viewers of_cubes(*cubes), of_tensors(*tensors);
     std::printf(
-        "| molecule, 14 radii | one call, ms | OpenGL alone, ms | times | stand-ins | culled in software, ms | "
-        "times | stand-ins |\n|---|---|---|---|---|---|---|---|\n");
+        "| molecule, 14 radii | one call, ms | OpenGL alone, ms | times | stand-ins | kB a frame | shaped by the "
+        "processor, ms; kB | culled in software, ms | times | stand-ins | kB |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (const float tolerance : {1.0f, 2.0f, 4.0f}) {
         view.tolerance_px = tolerance;
         for (const double step : {0.0, 0.001 * radius}) {
@@ -118,43 +134,46 @@ void draw_molecule() {
     }
 }
 
-void print(double ms, const FrameStats& stats) {
-    std::printf(" %.1f | %.1f | %llu | %llu |", ms, 1000 / ms, stand_ins(stats),
-                static_cast<unsigned long long>(stats.primitives));
+void print(const Measured& m) {
+    std::printf(" %.1f | %.1f | %llu | %llu | %.1f |", m.ms(), 1000 / m.ms(), stand_ins(m.stats),
+                static_cast<unsigned long long>(m.stats.primitives), m.kilobytes());
 }
 
-void draw_forest() {
+void draw_forest(const std::string& only) {
     const scenes::Scene scene = scenes::quadrupled_forest();
     std::printf(
-        "\n| quadrupled forest | alone, ms | frames a second | stand-ins | triangles | culled in software, ms | "
-        "frames a second | stand-ins | triangles |\n|---|---|---|---|---|---|---|---|---|\n");
+        "\n| quadrupled forest | alone, ms | frames a second | stand-ins | triangles | kB | shaped by the processor, "
+        "ms; "
+        "kB | culled in software, ms | frames a second | stand-ins | triangles | kB |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     const auto draw = [&](const char* name, const scenes::BuiltScene& of) {
-        Pair pair(of);
+        Viewers viewers(of);
         for (const bool is_aerial : {true, false}) {
             for (const float tolerance : {1.0f, 2.0f, 4.0f}) {
                 const View view{.camera = is_aerial ? scenes::aerial({}) : scenes::eye_level({}),
                                 .width = 640,
                                 .height = 360,
                                 .tolerance_px = tolerance};
-                const Medians m(pair, view, 0.05);
+                const InTurns m(viewers, view, 0.05);
                 std::printf("| %s, %s, %g px |", name, is_aerial ? "from above" : "eye level", double(tolerance));
-                print(m.alone_ms, m.alone);
-                print(m.culled_ms, m.culled);
+                print(m.alone);
+                std::printf(" %.1f; %.1f |", m.sent.ms(), m.sent.kilobytes());
+                print(m.culled);
                 std::printf("\n");
                 std::fflush(stdout);
             }
         }
     };
-    draw("cubes", *built<ColorCube>(scene));
-    draw("tensors", *built<OpacityTensor>(scene));
+    if (only != "tensors") draw("cubes", *built<ColorCube>(scene));
+    if (only != "cubes") draw("tensors", *built<OpacityTensor>(scene));
 }
 
 }  // namespace
 
-/// The molecule, or the forest, or both.
+/// The molecule, or the forest, or both; of the forest tensors or cubes, or both.
 int main(int argc, char** argv) {
     setenv("LP_NUM_THREADS", "0", /*overwrite=*/0);  // llvmpipe draws on one thread, as all else here does
     const std::string only = argc > 1 ? argv[1] : "";
     if (only != "forest") draw_molecule();
-    if (only != "molecule") draw_forest();
+    if (only != "molecule") draw_forest(argc > 2 ? argv[2] : "");
 }

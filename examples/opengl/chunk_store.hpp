@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -48,9 +47,7 @@ struct Chunk {
     std::uint64_t hash = 0;  ///< of the records, equal for equal ones: 2^-64 times the square of their number is what
                              ///< may go wrong
     Box box = Box::empty();  ///< that holds them
-    std::array<std::uint16_t, 3> of_law{};  ///< of stand-ins: how many have each law
-    std::uint8_t cell_law = 0;              ///< of triangles: CellLaw
-    bool is_of_faces = false;               ///< stand-ins are all faces; else all are splats
+    std::uint8_t cell_law = 0;  ///< CellLaw
 };
 
 /// Instances that show the same part of a hierarchy have equal chunks, which are there once. New chunks are put one
@@ -62,10 +59,9 @@ class ChunkStore {
     GLuint name() const { return buffer_.name(); }
     std::size_t capacity() const { return capacity_; }
 
-    /// Finds room for a picture's chunks and uploads those that are missing, as prepare(span of records) leaves them.
-    /// Returns the bytes. place_of(chunk) is then the number of its first record.
-    template <class Prepare>
-    std::size_t update(std::span<const Chunk> chunks, std::span<const Record> records, Prepare&& prepare) {
+    /// Finds room for a picture's chunks and uploads those that are missing. Returns the bytes. place_of(chunk) is then
+    /// the number of its first record.
+    std::size_t update(std::span<const Chunk> chunks, std::span<const Record> records) {
         if (missing(chunks) > capacity_ - used_) {
             places_.clear();
             used_ = 0;
@@ -82,7 +78,6 @@ class ChunkStore {
             if (!places_.try_emplace(c.hash, std::uint32_t(used_)).second) continue;
             const auto of_chunk = records.subspan(c.first, c.count);
             staged_.insert(staged_.end(), of_chunk.begin(), of_chunk.end());
-            prepare(std::span<Record>(staged_).last(c.count));
             used_ += c.count;
         }
         const std::size_t bytes = staged_.size() * sizeof(Record);

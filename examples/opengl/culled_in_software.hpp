@@ -15,6 +15,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "farfield/approximation/color_cube.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/geometry/light.hpp"
 #include "farfield/image.hpp"
 #include "farfield/renderer.hpp"
@@ -97,6 +99,7 @@ requires(Shading::facts.keeps_sources&& Visibility::facts.answers_hidden) class 
     }
     void set_view(const LocalView& view) {
         shading_.set_view(view);
+        view_ = view;
         if (is_looking()) visibility_.set_view(view);
     }
     void end_frame() { shading_.end_frame(); }  // nobody wants the other's picture
@@ -113,6 +116,17 @@ requires(Shading::facts.keeps_sources&& Visibility::facts.answers_hidden) class 
     }
     void draw(std::span<const Face> faces) requires(Shading::facts.draws_faces) { draw_seen(faces, faces_seen_); }
     void draw(std::span<const Splat> splats) requires(Shading::facts.draws_splats) { draw_seen(splats, splats_seen_); }
+    /// Who is hidden is asked of the splats that they are from here.
+    void draw(const PlacedStandIns& placed) requires(Shading::facts.shapes_stand_ins) {
+        stats_.stand_ins += placed.count;
+        PlacedStandIns seen = placed;
+        if constexpr (hides_by_deposits) {
+            if (is_looking()) seen = seen_of(placed);
+        }
+        stats_.seen += seen.count;
+        if (seen.count != 0) shading_.draw(seen);
+    }
+    bool shapes_stand_ins() const requires(Shading::facts.shapes_stand_ins) { return shading_.shapes_stand_ins(); }
     float largest_splat_px() const requires(Shading::facts.draws_splats) { return shading_.largest_splat_px(); }
     bool deposits_primitives() const requires(Shading::facts.deposits_primitives) {
         return shading_.deposits_primitives();
@@ -198,8 +212,32 @@ requires(Shading::facts.keeps_sources&& Visibility::facts.answers_hidden) class 
         if (!drawables.empty()) shading_.draw(drawables);
     }
 
+    PlacedStandIns seen_of(const PlacedStandIns& placed) requires(hides_by_deposits) {
+        constexpr std::size_t stride = PlacedStandIns::stride;
+        words_seen_.resize(stride * placed.word_count());
+        PlacedStandIns seen = placed;
+        seen.words = words_seen_.data();
+        seen.count = 0;
+        const auto look = [&](const Splat& splat, std::size_t i) {
+            if (is_hidden(splat)) return;
+            visibility_.draw(std::span(&splat, 1));
+            for (std::size_t w = 0; w < placed.word_count(); ++w)
+                words_seen_[w * stride + seen.count] = placed.words[w * stride + i];
+            ++seen.count;
+        };
+        if (placed.kind == PlacedStandIns::Kind::cubes) {
+            ColorCube{}.draw_placed(placed.words, placed.count, *view_, look);
+        } else {
+            OpacityTensor tensor{.closed_surfaces = placed.closed_surfaces, .counts_overlap = placed.counts_overlap};
+            tensor.sheet_gain = tensor.closed_sheet_gain = placed.sheet_gain;
+            tensor.draw_placed(placed.words, placed.count, *view_, look);
+        }
+        return seen;
+    }
+
     Shading& shading_;
     Visibility visibility_;
+    std::optional<LocalView> view_;
     std::unordered_map<std::uint32_t, Both> sources_;
     std::uint32_t last_source_ = 0;
     bool looks_ = true;  ///< in this frame
@@ -207,6 +245,7 @@ requires(Shading::facts.keeps_sources&& Visibility::facts.answers_hidden) class 
     CulledStats stats_;
     std::vector<Face> faces_seen_;  ///< of a batch
     std::vector<Splat> splats_seen_;
+    std::vector<std::uint32_t> words_seen_;
     std::shared_ptr<const int> lifetime_ = std::make_shared<const int>(0);
 };
 

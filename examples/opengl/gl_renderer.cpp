@@ -74,7 +74,7 @@ struct GlRenderer::State {
     Painter::Sources sources;
     std::shared_ptr<const char> alive = std::make_shared<const char>('\0');
 
-    Picture frame, image;
+    Picture frame{/*makes_rows=*/true}, image{/*makes_rows=*/false};
     Picture* now = &frame;
     Target frame_target, image_target;
     Texture resolved;
@@ -158,7 +158,7 @@ void GlRenderer::begin_frame(const LocalView& view) {
         const glm::vec3 l = s.options.light->towards;
         s.light_in_view = {glm::dot(l, view.right), glm::dot(l, view.up), glm::dot(l, view.forward)};
     }
-    s.frame.begin(view);
+    s.frame.begin(view, s.light_of(view));
     s.set_view(view);
 }
 void GlRenderer::set_view(const LocalView& view) {
@@ -227,6 +227,12 @@ void GlRenderer::draw(std::span<const Face> faces) {
 void GlRenderer::draw(std::span<const Splat> splats) {
     for (const Splat& splat : splats) state_->now->add(splat);
 }
+void GlRenderer::draw(const PlacedStandIns& placed) {
+    state_->now->add(placed);
+}
+bool GlRenderer::shapes_stand_ins() const {
+    return state_->options.shapes_stand_ins;
+}
 void GlRenderer::draw(std::span<const ImageQuad> quads) {
     for (const ImageQuad& quad : quads) state_->now->add(quad);
 }
@@ -242,7 +248,7 @@ void GlRenderer::begin_image(const LocalView& view, std::span<const ImageSlice> 
     s.image_view = view;
     s.slices.assign(slices.begin(), slices.end());
     s.now = &s.image;
-    s.image.begin(view);
+    s.image.begin(view, s.light_of(view));
     s.set_view(view);
 }
 std::uint32_t GlRenderer::end_image() {

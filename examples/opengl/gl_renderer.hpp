@@ -38,6 +38,9 @@ struct GlOptions {
     /// What stands in covers each sample in lanes x lanes parts, 1, 2 or 4 a side: things side by side in a lane go for
     /// things behind one another.
     int lanes = 2;
+    /// Opacity tensors, and color cubes as small as splats, are on the GPU as they are stored, and shaped there.
+    /// Without it the processor does so for each view, and what it has made is sent.
+    bool shapes_stand_ins = true;
 };
 
 /// Counts of the last frame, images made in it included.
@@ -57,6 +60,7 @@ class GlRenderer {
                                          .tells_light = true,
                                          .draws_faces = true,
                                          .draws_splats = true,
+                                         .shapes_stand_ins = true,
                                          .answers_hidden = true,
                                          .deposits_primitives = true,
                                          .keeps_images = true,
@@ -108,6 +112,8 @@ class GlRenderer {
     }
     void draw(std::span<const Face> faces);
     void draw(std::span<const Splat> splats);
+    void draw(const PlacedStandIns& placed);
+    bool shapes_stand_ins() const;
     void draw(std::span<const ImageQuad> quads);
 
     float largest_splat_px() const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -10,7 +11,7 @@ namespace farfield::opengl {
 namespace {
 
 /// Stand-ins of different laws are drawn in different states, two calls for so many of them; within, those that are
-/// strewn come before those that are surfaces. So there are never more calls than this, however many stand-ins.
+/// strewn come before those that are surfaces. So there are not many more calls than this, however many stand-ins.
 constexpr std::size_t most_slabs = 512;
 constexpr GLuint vertices_binding = 0, views_binding = 1;
 
@@ -21,18 +22,6 @@ void set_view_attributes(GLuint array) {
         glVertexArrayAttribBinding(array, 2 + i, views_binding);
     }
     glVertexArrayBindingDivisor(array, views_binding, 1);
-}
-
-/// Records of one law after the other: independent, mixed, coherent.
-void sort_by_law(std::span<FarRecord> records) {
-    std::array<FarRecord, Chunk::most> sorted;
-    std::size_t count = 0;
-    for (const AreaLaw law : {AreaLaw::independent, AreaLaw::mixed, AreaLaw::coherent}) {
-        for (const FarRecord& r : records) {
-            if (law_of(r) == law) sorted[count++] = r;
-        }
-    }
-    std::copy_n(sorted.begin(), count, records.begin());
 }
 
 /// Programs with CLIPS give distances to planes.
@@ -62,6 +51,7 @@ Painter::Painter()
       far_(make_vertex_array()),
       corners_(make_buffer()),
       records_(GL_TEXTURE_BUFFER),
+      record_lists_(GL_TEXTURE_BUFFER),
       whole_triangles_(GL_TEXTURE_BUFFER) {
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most_texels_);
     for (const GLuint array : {triangles_.name(), far_.name()}) set_view_attributes(array);
@@ -89,7 +79,7 @@ void Painter::paint(const Picture& picture, const Sources& sources, const KeptIm
     deposits_triangles_ = false;
     upload(picture, sources);
     add_far_calls(picture, images);
-    stats.uploaded_bytes += now_->commands.update(words_);
+    upload_commands();
     glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
     if (options.depth.is_quotient) {
         glDisable(GL_DEPTH_CLAMP);
@@ -103,7 +93,7 @@ void Painter::paint(const Picture& picture, const Sources& sources, const KeptIm
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, now_->commands.name());
     find_parts(picture, sources, images, options);
     draw_geometry(picture, sources, images, target, options);
-    if (!options.quad_depth && occlusion.asks()) ask_what_is_hidden(options);
+    if (!options.quad_depth && occlusion.asks()) ask_what_is_hidden(picture, options);
     if (!far_part_.is_empty()) draw_far(picture, sources, images, target, options);
     composite(target, to, options);
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
@@ -124,8 +114,31 @@ void Painter::begin_call(Call::Kind kind, std::size_t which) {
     calls.push_back({kind, which, words_.size(), 0});
 }
 
+void Painter::upload_commands() {
+    now_->commands.begin(words_.size());
+    const auto each = [&](auto&& f) {
+        for (std::vector<Call>* calls : {&geometry_calls_, &far_calls_}) {
+            for (Call& call : *calls) {
+                if (call.count != 0) f(call);
+            }
+        }
+    };
+    each([&](const Call& call) {
+        now_->commands.add(std::span(words_).subspan(call.first, call.count * call.size), call.size);
+    });
+    draws_.clear();
+    draw_ends_.clear();
+    stats.uploaded_bytes += now_->commands.update(draws_, draw_ends_);
+    std::size_t begin = 0, next = 0;
+    each([&](Call& call) {
+        call.draws = std::span(draws_).subspan(begin, draw_ends_[next] - begin);
+        begin = draw_ends_[next++];
+    });
+}
+
 void Painter::upload(const Picture& picture, const Sources& sources) {
-    stats.uploaded_bytes += now_->views.update(picture.rows);
+    stats.uploaded_bytes +=
+        picture.makes_rows() ? view_rows_.update(picture.outermost, picture.places) : now_->views.update(picture.rows);
     const auto runs = picture.runs();
     for (std::size_t i = 0; i < runs.size(); ++i) {
         begin_call(Call::Kind::runs, i);
@@ -135,6 +148,7 @@ void Painter::upload(const Picture& picture, const Sources& sources) {
         geometry_calls_.back().law = can_deposit ? runs[i].law : no_law;
         deposits_triangles_ = deposits_triangles_ || geometry_calls_.back().law != no_law;
         const bool is_indexed = sources[runs[i].source]->is_indexed;
+        if (!is_indexed) geometry_calls_.back().size = 4;
         for (const TriangleRun& run : runs[i].runs) {
             if (is_indexed) {
                 add_command(ElementsCommand{3 * run.count, 1, 3 * run.first, 0, run.view});
@@ -144,11 +158,11 @@ void Painter::upload(const Picture& picture, const Sources& sources) {
         }
     }
     if (picture.streamed.chunks.empty()) return;
-    stats.uploaded_bytes +=
-        streamed_store_.update(picture.streamed.chunks, picture.streamed.records, [](std::span<TriangleVertices>) {});
+    stats.uploaded_bytes += streamed_store_.update(picture.streamed.chunks, picture.streamed.records);
     for (CellLaw law = 0; law <= no_law; ++law) {
         begin_call(Call::Kind::streamed);
         geometry_calls_.back().law = law;
+        geometry_calls_.back().size = 4;
         for (const Chunk& c : picture.streamed.chunks) {
             if (c.cell_law != law) continue;
             add_command(ArraysCommand{3 * c.count, 1, 3 * streamed_store_.place_of(c), c.view});
@@ -163,45 +177,65 @@ void Painter::upload(const Picture& picture, const Sources& sources) {
 }
 
 void Painter::add_far_calls(const Picture& picture, const KeptImages& images) {
-    const std::vector<Chunk>& chunks = picture.far.chunks;
+    const std::vector<StandInChunk>& chunks = picture.far.chunks;
     if (!chunks.empty()) {
-        const GLuint before = far_store_.name();
-        stats.uploaded_bytes += far_store_.update(chunks, picture.far.records, sort_by_law);
-        if (far_store_.name() != before) glTextureBuffer(records_.name(), GL_RG32UI, far_store_.name());
+        const GLuint records = far_store_.records(), lists = far_store_.lists();
+        stats.uploaded_bytes += far_store_.update(chunks, picture.far.texels);
+        if (far_store_.records() != records) glTextureBuffer(records_.name(), GL_RG32UI, far_store_.records());
+        if (far_store_.lists() != lists) glTextureBuffer(record_lists_.name(), GL_R32UI, far_store_.lists());
     }
     std::size_t next = 0;
     for (std::size_t i = 0; i <= picture.images.size(); ++i) {
         const bool is_end = i == picture.images.size();
         if (!is_end && images[picture.images[i].quad.image].is_solid) continue;
-        const auto before = [&](const Chunk& c, std::size_t record) { return c.first < record; };
-        const auto end_of = [&](std::size_t record) {
-            return std::size_t(std::lower_bound(chunks.begin(), chunks.end(), record, before) - chunks.begin());
+        const auto before = [&](const StandInChunk& c, std::size_t texel) { return c.first < texel; };
+        const auto end_of = [&](std::size_t texel) {
+            return std::size_t(std::lower_bound(chunks.begin(), chunks.end(), texel, before) - chunks.begin());
         };
-        const std::size_t end = is_end ? chunks.size() : end_of(picture.images[i].first_record);
+        const std::size_t end = is_end ? chunks.size() : end_of(picture.images[i].first_texel);
         add_far_chunks(std::span(chunks).subspan(next, end - next));
         next = end;
         if (!is_end) begin_call(Call::Kind::image, i);
     }
 }
 
-void Painter::add_far_chunks(std::span<const Chunk> chunks) {
-    const std::size_t step = (chunks.size() + most_slabs - 1) / most_slabs;
-    for (std::size_t first = 0; first < chunks.size(); first += step) {
-        const auto slab = chunks.subspan(first, std::min(step, chunks.size() - first));
+/// In a slab also what one program draws comes before what another does.
+void Painter::add_far_chunks(std::span<const StandInChunk> chunks) {
+    std::array<bool, stand_in_groups> has_group{};
+    for (const StandInChunk& c : chunks) has_group[std::size_t(group_of(c.kind))] = true;
+    // Slabs end where hashes say so, as chunks do, so that one more chunk changes one slab.
+    const std::size_t mean = std::bit_ceil((chunks.size() + most_slabs - 1) / most_slabs);
+    for (std::size_t first = 0, end = 0; first < chunks.size(); first = end) {
+        do {
+            ++end;
+        } while (end < chunks.size() && (chunks[end - 1].hash & (mean - 1)) != 0 && end - first < 4 * mean);
+        const auto slab = chunks.subspan(first, end - first);
         for (const Call::Kind kind : {Call::Kind::independent, Call::Kind::coherent}) {
-            for (const Chunk& c : slab) {
-                const std::uint32_t skipped = kind == Call::Kind::coherent ? c.of_law[0] : 0;
-                const std::uint32_t count = c.count - (kind == Call::Kind::coherent ? c.of_law[0] : c.of_law[2]);
-                if (count == 0) continue;
-                if (far_calls_.empty() || far_calls_.back().kind != kind) begin_call(kind);
-                ++far_calls_.back().count;
-                const auto vertex = std::int32_t(4 * (far_store_.place_of(c) + skipped));
-                if (c.is_of_faces) {
-                    add_command(ElementsCommand{6 * count, 1, 0, vertex, c.view});
-                } else {
-                    add_command(ElementsCommand{3 * count, 1, 6 * Chunk::most, vertex, c.view});
-                }
+            for (std::size_t group = 0; group < stand_in_groups; ++group) {
+                if (has_group[group]) add_slab(slab, kind, StandInGroup(group));
             }
+        }
+    }
+}
+
+void Painter::add_slab(std::span<const StandInChunk> slab, Call::Kind kind, StandInGroup group) {
+    for (const StandInChunk& c : slab) {
+        if (group_of(c.kind) != group) continue;
+        const std::uint32_t skipped = kind == Call::Kind::coherent ? c.of_law[0] : 0;
+        const std::uint32_t count = c.count - (kind == Call::Kind::coherent ? c.of_law[0] : c.of_law[2]);
+        if (count == 0) continue;
+        const Call* const last = far_calls_.empty() ? nullptr : &far_calls_.back();
+        if (last == nullptr || last->kind != kind || last->group != group || last->options != c.options) {
+            begin_call(kind);
+            far_calls_.back().group = group;
+            far_calls_.back().options = c.options;
+        }
+        ++far_calls_.back().count;
+        const auto vertex = std::int32_t(4 * (far_store_.place_of(c) + skipped));
+        if (c.kind == StandInKind::face) {
+            add_command(ElementsCommand{6 * count, 1, 0, vertex, c.view});
+        } else {
+            add_command(ElementsCommand{3 * count, 1, 6 * Chunk::most, vertex, c.view});
         }
     }
 }
@@ -209,7 +243,7 @@ void Painter::add_far_chunks(std::span<const Chunk> chunks) {
 void Painter::find_parts(const Picture& picture, const Sources& sources, const KeptImages& images,
                          const PaintOptions& options) {
     DrawnPart far_part(options.width, options.height), part = far_part;
-    for (const Chunk& c : picture.far.chunks) far_part.add(c.box, picture.rows[c.view]);
+    for (const StandInChunk& c : picture.far.chunks) far_part.add(c.box, picture.rows[c.view]);
     for (const Chunk& c : picture.streamed.chunks) part.add(c.box, picture.rows[c.view]);
     for (const RunsOfSource& of_source : picture.runs()) {
         std::uint32_t last = ~std::uint32_t(0);
@@ -261,7 +295,7 @@ void Painter::draw_geometry(const Picture& picture, const Sources& sources, cons
     }
     const GLuint array = triangles_.name();
     glBindVertexArray(array);
-    glVertexArrayVertexBuffer(array, views_binding, now_->views.name(), 0, sizeof(ViewRow));
+    glVertexArrayVertexBuffer(array, views_binding, views_of(picture), 0, sizeof(ViewRow));
     for (const Call& call : geometry_calls_) {
         const bool is_streamed = call.kind == Call::Kind::streamed;
         const TriangleSource* source = is_streamed ? nullptr : sources[picture.runs()[call.which].source].get();
@@ -284,23 +318,25 @@ void Painter::draw_geometry(const Picture& picture, const Sources& sources, cons
         glVertexArrayVertexBuffer(array, vertices_binding, v.buffer, v.first, v.stride);
         glVertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, v.position_offset);
         glVertexArrayAttribFormat(array, 1, 4, GL_UNSIGNED_BYTE, GL_TRUE, v.color_offset);
-        const auto count = GLsizei(call.count);
-        if (!is_streamed && source->is_indexed) {
-            glVertexArrayElementBuffer(array, source->own.name());
-            glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, at_word(call.first), count, 0);
-        } else {
-            glMultiDrawArraysIndirect(GL_TRIANGLES, at_word(call.first), count, 0);
+        const bool is_indexed = !is_streamed && source->is_indexed;
+        if (is_indexed) glVertexArrayElementBuffer(array, source->own.name());
+        for (const CommandDraw& draw : call.draws) {
+            if (is_indexed) {
+                glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, at_word(draw.first), GLsizei(draw.count), 0);
+            } else {
+                glMultiDrawArraysIndirect(GL_TRIANGLES, at_word(draw.first), GLsizei(draw.count), 0);
+            }
+            ++stats.draw_calls;
         }
-        ++stats.draw_calls;
     }
     glDisable(GL_CULL_FACE);
     for (const PlacedImage& placed : picture.images) {
-        draw_image(placed, images, images[placed.quad.image].is_solid ? 0 : 1, 1, options);
+        draw_image(picture, placed, images, images[placed.quad.image].is_solid ? 0 : 1, 1, options);
     }
 }
 
 /// Against what was drawn as geometry; what stands in hides nothing here.
-void Painter::ask_what_is_hidden(const PaintOptions& options) {
+void Painter::ask_what_is_hidden(const Picture& picture, const PaintOptions& options) {
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_GEQUAL);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
@@ -308,7 +344,7 @@ void Painter::ask_what_is_hidden(const PaintOptions& options) {
     cut_by_depths(false);
     glUseProgram(programs_.get(Shader::bounds));
     glBindVertexArray(far_.name());
-    glVertexArrayVertexBuffer(far_.name(), views_binding, now_->views.name(), 0, sizeof(ViewRow));
+    glVertexArrayVertexBuffer(far_.name(), views_binding, views_of(picture), 0, sizeof(ViewRow));
     occlusion.ask([this](const Occlusion::Box& box) {
         glUniform3fv(1, 1, &box.center.x);
         glUniform3fv(2, 1, &box.half_size.x);
@@ -346,8 +382,10 @@ void Painter::draw_small_triangles(const Picture& picture, const Sources& source
             glTextureBuffer(whole_triangles_.name(), GL_RGBA32UI, vertices_of(call, picture, sources));
             glBindTextureUnit(0, whole_triangles_.name());
             glUniform1i(5, call.law);
-            glMultiDrawArraysIndirect(GL_TRIANGLES, at_word(call.first), GLsizei(call.count), 0);
-            ++stats.draw_calls;
+            for (const CommandDraw& draw : call.draws) {
+                glMultiDrawArraysIndirect(GL_TRIANGLES, at_word(draw.first), GLsizei(draw.count), 0);
+                ++stats.draw_calls;
+            }
         }
     }
 }
@@ -391,32 +429,30 @@ void Painter::draw_far(const Picture& picture, const Sources& sources, const Kep
     }
     if (deposits_triangles_)
         draw_small_triangles(picture, sources, glm::vec2(width, height) / float(options.lanes), options);
-    glVertexArrayVertexBuffer(far_.name(), views_binding, now_->views.name(), 0, sizeof(ViewRow));
-    std::optional<Call::Kind> state;
+    glVertexArrayVertexBuffer(far_.name(), views_binding, views_of(picture), 0, sizeof(ViewRow));
+    const Call* last = nullptr;
     for (const Call& call : far_calls_) {
-        if (state != call.kind) {
+        if (last == nullptr || last->kind != call.kind) {
             // The area law, front to back: alpha is what is covered. See README.md.
             if (call.kind == Call::Kind::coherent) {
                 glBlendFunci(0, GL_SRC_ALPHA_SATURATE, GL_ONE);
             } else {
                 glBlendFunci(0, GL_ONE_MINUS_DST_ALPHA, GL_ONE);
             }
-            if (call.kind != Call::Kind::image) {
-                use(Shader::far_field, keeps_depths ? KEEPS_DEPTHS : 0u, options);
-                glUniform2f(0, float(width), float(height));
-                glUniform1i(1, call.kind == Call::Kind::coherent ? 1 : 0);
-                glUniform1i(11, options.lanes);
-                glBindVertexArray(far_.name());
-                glBindTextureUnit(0, records_.name());
-            }
-            state = call.kind;
         }
         if (call.kind == Call::Kind::image) {
-            draw_image(picture.images[call.which], images, 2, options.lanes, options);
-            continue;
+            draw_image(picture, picture.images[call.which], images, 2, options.lanes, options);
+        } else {
+            if (last == nullptr || last->kind != call.kind || last->group != call.group ||
+                last->options != call.options)
+                use_for_stand_ins(call, picture, glm::vec2(width, height), options);
+            for (const CommandDraw& draw : call.draws) {
+                glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, at_word(draw.first), GLsizei(draw.count),
+                                            0);
+                ++stats.draw_calls;
+            }
         }
-        glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, at_word(call.first), GLsizei(call.count), 0);
-        ++stats.draw_calls;
+        last = &call;
     }
     if (keeps_depths) glBlendEquationi(1, GL_FUNC_ADD);
     glDisable(GL_SCISSOR_TEST);
@@ -424,8 +460,24 @@ void Painter::draw_far(const Picture& picture, const Sources& sources, const Kep
     glBlendFunc(GL_ONE, GL_ZERO);
 }
 
-void Painter::draw_image(const PlacedImage& placed, const KeptImages& images, int mode, int lanes,
-                         const PaintOptions& options) {
+void Painter::use_for_stand_ins(const Call& call, const Picture& picture, glm::vec2 lanes,
+                                const PaintOptions& options) {
+    constexpr unsigned features[stand_in_groups] = {0, TENSORS, CUBES};
+    use(Shader::far_field, features[std::size_t(call.group)] | (options.quad_depth ? KEEPS_DEPTHS : 0u), options);
+    glUniform2f(0, lanes.x, lanes.y);
+    glUniform1i(1, call.kind == Call::Kind::coherent ? 1 : 0);
+    glUniform1i(11, options.lanes);
+    if (call.group == StandInGroup::tensors) {
+        const TensorOptions& o = picture.tensor_options[call.options];
+        glUniform3f(12, o.closed_surfaces ? 1.0f : 0.0f, o.counts_overlap ? 1.0f : 0.0f, o.sheet_gain);
+    }
+    glBindVertexArray(far_.name());
+    glBindTextureUnit(0, records_.name());
+    glBindTextureUnit(1, record_lists_.name());
+}
+
+void Painter::draw_image(const Picture& picture, const PlacedImage& placed, const KeptImages& images, int mode,
+                         int lanes, const PaintOptions& options) {
     const KeptImage& image = images[placed.quad.image];
     const ImageQuad& q = placed.quad;
     use(Shader::image_quad, mode == 2 && options.quad_depth ? KEEPS_DEPTHS : 0u, options);
@@ -442,7 +494,7 @@ void Painter::draw_image(const PlacedImage& placed, const KeptImages& images, in
     glBindTextureUnit(0, image.color.name());
     glBindTextureUnit(1, image.depth.name());
     glBindVertexArray(far_.name());
-    glVertexArrayVertexBuffer(far_.name(), views_binding, now_->views.name(), 0, sizeof(ViewRow));
+    glVertexArrayVertexBuffer(far_.name(), views_binding, views_of(picture), 0, sizeof(ViewRow));
     glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, 4, 1, placed.view);
     ++stats.draw_calls;
 }

@@ -19,8 +19,10 @@
 #include "farfield/geometry/light.hpp"
 #include "farfield/view/local_view.hpp"
 #include "opengl/chunk_store.hpp"
-#include "opengl/far_record.hpp"
+#include "opengl/stand_in_record.hpp"
+#include "opengl/stand_in_stream.hpp"
 #include "opengl/triangles.hpp"
+#include "opengl/view_places.hpp"
 #include "opengl/view_row.hpp"
 
 namespace farfield::opengl {
@@ -47,39 +49,32 @@ struct RunsOfSource {
 struct PlacedImage {
     ImageQuad quad;
     std::uint32_t view;
-    std::size_t first_record;  ///< of the stand-ins that come after it
+    std::size_t first_texel;  ///< of the stand-ins that come after it
 };
 
 class Picture {
   public:
-    /// Records of one type, and the chunks that they make.
-    template <class Record>
-    class Stream {
+    /// Triangles of sources that change, and the chunks that they make.
+    class TriangleStream {
       public:
-        std::vector<Record> records;
+        std::vector<TriangleVertices> records;
         std::vector<Chunk> chunks;
 
         void clear() {
             records.clear();
             chunks.clear();
             spans_.clear();
-            is_open_ = false;
         }
-        /// The next record begins a new chunk.
-        void close() { is_open_ = false; }
-        void add(const Record& record, std::uint32_t view, std::uint8_t law = 0, bool is_face = false) {
-            if (!is_open_ || spans_.back().view != view || spans_.back().cell_law != law ||
-                spans_.back().is_of_faces != is_face) {
+        void add(const TriangleVertices& t, std::uint32_t view, std::uint8_t law) {
+            if (spans_.empty() || spans_.back().view != view || spans_.back().cell_law != law) {
                 spans_.push_back({.first = std::uint32_t(records.size()),
                                   .view = view,
-                                  .hash = sizeof(Record),
-                                  .cell_law = law,
-                                  .is_of_faces = is_face});
-                is_open_ = true;
+                                  .hash = sizeof(TriangleVertices),
+                                  .cell_law = law});
             }
-            records.push_back(record);
+            records.push_back(t);
         }
-        /// Makes chunks of all records.
+        /// Makes chunks of all.
         void cut() {
             chunks.clear();
             const std::uint64_t mask = Chunk::mean(records.size()) - 1;
@@ -90,7 +85,7 @@ class Picture {
                     const std::uint64_t own = hash_of(0, records[at]);
                     chunk.hash = hashed(chunk.hash, own);
                     ++chunk.count;
-                    look_at(records[at], chunk);
+                    for (const Vertex& v : records[at].corner) chunk.box.add(v.position);
                     if ((own & mask) != 0 && chunk.count < Chunk::most && at + 1 < end) continue;
                     chunks.push_back(chunk);
                     chunk = spans_[i];
@@ -100,37 +95,37 @@ class Picture {
         }
 
       private:
-        static void look_at(const TriangleVertices& t, Chunk& chunk) {
-            for (const Vertex& v : t.corner) chunk.box.add(v.position);
-        }
-        static void look_at(const FarRecord& record, Chunk& chunk) {
-            ++chunk.of_law[std::size_t(law_of(record)) % 3];
-            const Box box = box_of(record);
-            chunk.box = {glm::min(chunk.box.lower, box.lower), glm::max(chunk.box.upper, box.upper)};
-        }
-
         std::vector<Chunk> spans_;  ///< as far as they are known
-        bool is_open_ = false;
     };
 
-    void begin(const LocalView& view) {
+    /// `makes_rows`: the rows of its views are made on the GPU.
+    explicit Picture(bool makes_rows) : may_make_rows_(makes_rows) {}
+
+    void begin(const LocalView& view, const DirectionalLight* light) {
         for (RunsOfSource& of_source : runs_) of_source.runs.clear();
         sources_used_ = 0;
         place_of_source_.clear();
         streamed.clear();
         far.clear();
+        tensor_options.clear();
         images.clear();
-        rows.clear();
         known_rows_.clear();
         has_translucent_streamed = false;
-        set_view(view, nullptr);
+        makes_rows_ = may_make_rows_ && ViewPlace(view).is_outermost();
+        if (!makes_rows_) rows.clear();
+        places.begin();
+        row_.reset();
+        set_view(view, light);
+        outermost = *row_;
     }
     void set_view(const LocalView& view, const DirectionalLight* light) {
         const ViewRow row = view_row(view, light);
         if (row_ && row == *row_) return;
         row_ = row;
+        place_ = ViewPlace(view);
         number_ = none;
     }
+    bool makes_rows() const { return makes_rows_; }
 
     void add_run(std::uint32_t source, CellLaw law, glm::vec3 origin, std::uint32_t first, std::uint32_t end) {
         if (first == end) return;
@@ -153,12 +148,28 @@ class Picture {
         streamed.add(t, view(), law);
     }
     void add(const Face& face) {
-        if (face.rgba.a != 0) far.add(record_of(face), view(), 0, /*is_face=*/true);
+        constexpr StandInKind kind = StandInKind::face;
+        if (face.rgba.a != 0) far.add<kind>(texels_of<kind>(record_of(face)), view());
     }
-    void add(const Splat& splat) { far.add(record_of(splat), view()); }
+    void add(const Splat& splat) {
+        constexpr StandInKind kind = StandInKind::splat;
+        far.add<kind>(texels_of<kind>(record_of(splat)), view());
+    }
+    void add(const PlacedStandIns& placed) {
+        const std::uint32_t row = view();
+        if (placed.kind == PlacedStandIns::Kind::cubes) {
+            for (std::size_t i = 0; i < placed.count; ++i)
+                far.add<StandInKind::cube>(texels_of_cube(placed.words + i), row);
+            return;
+        }
+        const TensorOptions options{placed.closed_surfaces, placed.counts_overlap, placed.sheet_gain};
+        const std::uint8_t number = number_of(options);
+        for (std::size_t i = 0; i < placed.count; ++i)
+            far.add<StandInKind::tensor>(texels_of_tensor(placed.words + i), row, number);
+    }
     void add(const ImageQuad& quad) {
         far.close();
-        images.push_back({quad, view(), far.records.size()});
+        images.push_back({quad, view(), far.texels.size()});
     }
 
     /// Whether small triangles may be deposited; after end().
@@ -171,22 +182,25 @@ class Picture {
 
     /// The number of the view's row, which is there once however often a descent comes back to it.
     std::uint32_t view() {
-        if (number_ == none) number_ = number_of(*row_);
+        if (number_ == none) number_ = number_of(*row_, glm::vec3(0));
         return number_;
     }
 
     /// Call it when all is added.
     void end() {
         streamed.cut();
-        far.cut();
+        far.cut(stretch_of(outermost));
     }
 
     std::span<const RunsOfSource> runs() const { return {runs_.data(), sources_used_}; }
 
-    Stream<TriangleVertices> streamed;  ///< of sources that change
-    Stream<FarRecord> far;              ///< front to back
+    TriangleStream streamed;
+    StandInStream far;                          ///< front to back
+    std::vector<TensorOptions> tensor_options;  ///< that stand-ins have
     std::vector<PlacedImage> images;
-    std::vector<ViewRow> rows;
+    std::vector<ViewRow> rows;  ///< by number, of views that are used
+    ViewRow outermost{};        ///< that the frame began with
+    ViewPlaces places;          ///< of the rows, where they are made on the GPU
     bool has_translucent_streamed = false;
 
   private:
@@ -196,9 +210,27 @@ class Picture {
         if (origin == glm::vec3(0)) return view();
         ViewRow moved = *row_;
         moved.anchor += glm::vec4(origin, 0);
-        return number_of(moved);
+        return number_of(moved, origin);
     }
-    std::uint32_t number_of(const ViewRow& row) {
+    /// The 256th and those after it go by the rules of the first.
+    std::uint8_t number_of(const TensorOptions& options) {
+        const auto same = [&](const TensorOptions& o) {
+            return o.closed_surfaces == options.closed_surfaces && o.counts_overlap == options.counts_overlap &&
+                   o.sheet_gain == options.sheet_gain;
+        };
+        const auto found = std::find_if(tensor_options.begin(), tensor_options.end(), same);
+        const auto number = std::size_t(found - tensor_options.begin());
+        if (number > 255) return 0;
+        if (found == tensor_options.end()) tensor_options.push_back(options);
+        return std::uint8_t(number);
+    }
+    std::uint32_t number_of(const ViewRow& row, glm::vec3 origin) {
+        if (makes_rows_) {
+            const std::uint32_t number = places.number_of(placed_row(place_, origin));
+            if (number >= rows.size()) rows.resize(number + 1);
+            rows[number] = row;
+            return number;
+        }
         const auto [found, is_new] = known_rows_.try_emplace(hash_of(0, row), std::uint32_t(rows.size()));
         if (is_new) rows.push_back(row);
         return found->second;
@@ -208,7 +240,9 @@ class Picture {
     std::size_t sources_used_ = 0;
     std::unordered_map<std::uint64_t, std::size_t> place_of_source_;  ///< and law
     std::unordered_map<std::uint64_t, std::uint32_t> known_rows_;
+    bool may_make_rows_, makes_rows_ = false;
     std::optional<ViewRow> row_;
+    ViewPlace place_;
     std::uint32_t number_ = none;
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "opengl/program.hpp"
+#include "opengl/stand_in_shader.hpp"
 
 namespace farfield::opengl {
 namespace {
@@ -149,95 +150,6 @@ void main() {
     float cosine = squares > 0 ? dot(normal, light_in.xyz) * inversesqrt(squares) : 0;
     color.rgb = min(color.rgb * (brightness.x + brightness.y * max(cosine, 0)), 1);
 #endif
-}
-)";
-
-/// Records of far_record.hpp, four vertices each. A splat is an upright rectangle of the picture: it is drawn as large
-/// as all lanes that it touches, and each gets its share by overlap.
-constexpr const char* far_vertex = R"(
-layout(binding = 0) uniform usamplerBuffer records;
-layout(location = 0) uniform vec2 size;          // of the picture, in lanes
-layout(location = 1) uniform int is_coherent;    // which of the two losses is deposited
-layout(location = 11) uniform int lanes;         // of a sample
-out vec2 on_face;                                // of a face: where, 0 to 1
-flat out vec4 rectangle;                         // left, top, right, bottom, in lanes
-flat out vec4 deposit;                           // color, loss where a lane is covered whole
-
-const vec4 nowhere = vec4(2, 2, 2, 1);
-
-float loss(float opacity, uint law) {
-    float part = law == 1u ? 0.5 : (law == 2u) == (is_coherent != 0) ? 1.0 : 0.0;
-    return opacity * part;
-}
-vec3 rgb(uint color) { return vec3(color & 255u, color >> 8 & 255u, color >> 16 & 255u); }
-
-vec3 on_plane(vec3 lower, int axis, float along, float down) {
-    lower[(axis + 1) % 3] += along;
-    lower[(axis + 2) % 3] += down;
-    return lower;
-}
-vec2 samples_from(vec3 p, vec4 from) {
-    vec3 d = p - anchor.xyz;
-    vec4 to = clip_of(d, dot(forward.xyz, d));
-    return to.w > 0 && from.w > 0 ? (to.xy / to.w - from.xy / from.w) * (0.5 * size / float(lanes)) : vec2(1e6);
-}
-
-void main() {
-    int record = gl_VertexID >> 2, corner = gl_VertexID & 3;
-    uvec2 a = texelFetch(records, 3 * record).xy;
-    uvec2 b = texelFetch(records, 3 * record + 1).xy;
-    uvec2 c = texelFetch(records, 3 * record + 2).xy;
-    vec3 place = vec3(uintBitsToFloat(a), uintBitsToFloat(b.x));
-    uint u = b.y, v = c.x, color = c.y, signs = u >> 31 | v >> 31 << 1;
-    bool to_the_right = corner == 1 || corner == 2, below = corner >= 2;
-    if ((u & 1u) != 0u) {
-        int axis = int(signs);
-        float width = uintBitsToFloat(u & 0x7ffffffeu), height = uintBitsToFloat(v & 0x7fffffffu);
-        on_face = vec2(to_the_right, below);
-        vec3 d = on_plane(place, axis, on_face.x * width, on_face.y * height) - anchor.xyz;
-        float depth = dot(forward.xyz, d);
-        gl_Position = clip_of(d, depth);
-        if (lanes > 1) {
-            // A sample's lanes are covered as the sample is: the face is drawn larger by a sample, and cut off there.
-            vec2 other = 1 - on_face;
-            vec2 lengths = vec2(
-                length(samples_from(on_plane(place, axis, other.x * width, on_face.y * height), gl_Position)),
-                length(samples_from(on_plane(place, axis, on_face.x * width, other.y * height), gl_Position)));
-            on_face += (2 * on_face - 1) * min(1 / max(lengths, 1e-6), 8);
-            d = on_plane(place, axis, on_face.x * width, on_face.y * height) - anchor.xyz;
-            depth = dot(forward.xyz, d);
-            gl_Position = clip_of(d, depth);
-        }
-#ifdef CLIPS
-        clip(depth);
-#endif
-        uint alpha = color >> 24;
-        rectangle = vec4(-1e6, -1e6, 1e6, 1e6);
-        deposit = vec4(rgb(color) / float(alpha),
-                       loss(float(alpha) / 255, alpha >= 192u ? 2u : alpha >= 96u ? 1u : 0u));
-    } else {
-        on_face = vec2(0.5);
-        vec3 d = place - anchor.xyz;
-        float depth = dot(forward.xyz, d);
-        vec4 center = clip_of(d, depth);
-        vec2 sides = uintBitsToFloat(uvec2(u & 0x7ffffe00u, v & 0x7fffff00u));
-        vec2 focal = vec2(length(across.xyz), length(upward.xyz)) * size;
-        float inverse = 1 / center.w;
-        vec2 middle = (0.5 + vec2(0.5, -0.5) * center.xy * inverse) * size;
-        vec2 half_size = sides * focal * (0.25 * inverse);
-        rectangle = vec4(middle - half_size, middle + half_size);
-        // One triangle, twice as wide and high: half as much to set up as two for the rectangle.
-        vec2 at = floor(rectangle.xy), end = ceil(rectangle.zw);
-        if (corner == 1) at.x += 2 * (end.x - at.x);
-        if (corner == 2) at.y += 2 * (end.y - at.y);
-        gl_Position = vec4(vec2(2, -2) * at / size + vec2(-1, 1), center.z * inverse, 1);
-        if (!(depth > depths.z)) gl_Position = nowhere;
-#ifdef CLIPS
-        clip(depth);
-#endif
-        uint opacity = color >> 24 << 16 | (v & 255u) << 8 | (u >> 1 & 255u);
-        deposit = vec4(rgb(color) / 255, loss(float(opacity) / 16777215.0, signs));
-    }
 }
 )";
 
@@ -489,12 +401,13 @@ struct Texts {
     bool has_whole_triangles = false;
 };
 constexpr Texts texts[shaders] = {
-    {triangles_vertex, triangles_fragment, true}, {far_vertex, far_fragment, true},
+    {triangles_vertex, triangles_fragment, true}, {"", far_fragment, true},
     {small_vertex, far_fragment, true, true},     {quad_vertex, quad_fragment, true},
     {whole_vertex, copied_depth_fragment, false}, {whole_vertex, composite_fragment, false},
     {bounds_vertex, bounds_fragment, true},
 };
-constexpr const char* names[] = {"CLIPS", "LIT", "TRANSLUCENT", "SLICED", "KEEPS_DEPTHS", "LEAVES_SMALL"};
+constexpr const char* names[] = {"CLIPS",        "LIT",          "TRANSLUCENT", "SLICED",
+                                 "KEEPS_DEPTHS", "LEAVES_SMALL", "TENSORS",     "CUBES"};
 
 }  // namespace
 
@@ -506,8 +419,16 @@ GLuint Programs::get(Shader shader, unsigned features) {
         if ((features >> i & 1u) != 0) head += "#define " + std::string(names[i]) + "\n";
     }
     const Texts& t = texts[std::size_t(shader)];
+    std::string vertex = t.vertex;
+    if (shader == Shader::far_field) {
+        vertex = stand_in_inputs;
+        if ((features & (TENSORS | CUBES)) != 0) vertex += sight;
+        vertex += (features & TENSORS) != 0 ? tensors_vertex
+                  : (features & CUBES) != 0 ? cubes_vertex
+                                            : faces_and_splats_vertex;
+    }
     const bool has_whole = t.has_whole_triangles || (features & LEAVES_SMALL) != 0;
-    program = make_program(head + (t.has_view ? view_text : "") + (has_whole ? whole_triangle_text : "") + t.vertex,
+    program = make_program(head + (t.has_view ? view_text : "") + (has_whole ? whole_triangle_text : "") + vertex,
                            head + t.fragment);
     return program.name();
 }

@@ -25,9 +25,11 @@ enum ShaderFeature : unsigned {
     TRANSLUCENT = 4,    ///< triangles may have holes, by alpha
     SLICED = 8,         ///< only a range of depths is drawn
     KEEPS_DEPTHS = 16,  ///< of images
-    LEAVES_SMALL = 32   ///< triangles smaller than two samples are deposited instead
+    LEAVES_SMALL = 32,  ///< triangles smaller than two samples are deposited instead
+    TENSORS = 64,       ///< stand-ins are opacity tensors, and made splats of
+    CUBES = 128         ///< they are color cubes, as small as splats
 };
-inline constexpr unsigned shader_features = 64;
+inline constexpr unsigned shader_features = 256;
 
 /// A context's own.
 class Programs {

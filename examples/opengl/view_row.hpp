@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -20,7 +21,8 @@ namespace farfield::opengl {
 /// clip z = depths.x + depths.y dot(forward, d).
 ///
 /// The viewer is moved into each instance, and not the instance into the world: single precision then goes to what is
-/// near the eye (LocalView). A camera that moves therefore uploads a row for each instance drawn, of 96 bytes.
+/// near the eye (LocalView). Rows of a frame are made on the GPU, of the outermost one's (view_places.hpp); those of an
+/// image are uploaded.
 struct ViewRow {
     glm::vec4 anchor, across, upward, forward;
     glm::vec4 depths;  ///< z: near depth from the anchor, w: far depth, both to be cut at
@@ -71,6 +73,16 @@ inline ViewRow view_row(const LocalView& view, const DirectionalLight* light) {
     row.light = glm::vec4(light != nullptr ? light->towards : glm::vec3(0), 0);
     std::memcpy(&row.light.w, &view.seed, sizeof view.seed);
     return row;
+}
+
+/// By how much something is longer in the picture, at most, than its length seen squarely at its depth.
+inline float stretch_of(const ViewRow& row) {
+    if (row.forward.w == 0) return 1;
+    const auto away = [](const glm::vec4& axis) {
+        const float tangent = (1 + std::abs(axis.w)) / glm::length(glm::vec3(axis));
+        return tangent * tangent;
+    };
+    return std::sqrt(1 + away(row.across) + away(row.upward));
 }
 
 }  // namespace farfield::opengl

@@ -64,6 +64,8 @@ class SceneViewer {
     /// OpenGL's name of the texture that the last frame was drawn into, rows from the top, in the context that drew it;
     /// 0: there is none.
     virtual unsigned texture() const { return 0; }
+    /// What the last frame sent to the GPU.
+    virtual std::uint64_t sent_bytes() const { return 0; }
     /// Of the last frame: of coverage masks, null of others.
     virtual const CoverageWork* work() const { return nullptr; }
     /// The same with the places, where RendererChoice::maps_work.

@@ -170,6 +170,7 @@ class PlacedScene final : public BuiltScene {
         }
         const Image& image() const override { return renderer_.image(); }
         unsigned texture() const override { return renderer_.any().texture(); }
+        std::uint64_t sent_bytes() const override { return renderer_.any().sent_bytes(); }
         const CoverageWork* work() const override { return renderer_.any().work(); }
         const CoverageWorkImage* work_map() const override { return renderer_.any().work_map(); }
 

@@ -19,6 +19,7 @@
 //                                                           corners
 //     words_placed, place(data, cell, words), draw_placed(words, count, view, sink)
 //                                                           many at once, by splats: see DrawsPlaced
+//     placed(words, count) -> PlacedStandIns                what they are, for renderers that make the splats
 //
 // Facts announce whatever else it has, and make it required.
 #pragma once
@@ -292,12 +293,17 @@ Class class_of(Member Class::*);
 /// them in each row, and calls sink(Splat) as draw_stand_in() would, or sink(Splat, i) with which of them it is, if the
 /// sink takes it. All must be of one class: who derives from an approximation and draws otherwise is not bypassed. One
 /// that cannot place all says places(view, splat_limit_px) -> bool, or places(cell, view, splat_limit_px) of a cell.
-inline constexpr std::size_t placed_stride = 256, most_words_placed = 12;
+inline constexpr std::size_t placed_stride = PlacedStandIns::stride, most_words_placed = 12;
 template <class A>
 concept DrawsPlaced = requires {
     { class_of(&A::place) } -> std::same_as<decltype(class_of(&A::template draw_stand_in<archetype::StandInSink&>))>;
 }
 &&A::words_placed <= most_words_placed;
+/// Says what its words are, for renderers that make splats of them (RendererFacts::shapes_stand_ins).
+template <class A>
+concept NamesPlaced = DrawsPlaced<A> && requires(const A& a, const std::uint32_t* words) {
+    { a.placed(words, std::size_t()) } -> std::same_as<PlacedStandIns>;
+};
 /// Cells of any size become splats.
 template <class A>
 concept DrawsLargePlaced = DrawsPlaced<A> && !requires(const A& a, const Cell& cell, const LocalView& view) {

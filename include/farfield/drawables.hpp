@@ -4,6 +4,7 @@
 #include "farfield/settings.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -107,6 +108,26 @@ struct Splat {
     glm::vec2 size;  ///< width and height, as local lengths at the center's depth; above 0
     float opacity;   ///< of what lies in it, 0 to 1
     Rgba8 rgb;       ///< of what covers, not premultiplied; alpha holds the area law's class
+};
+
+/// Stand-ins as they are stored, each in its cell, for a renderer that makes splats of them itself. They are the same
+/// words in every view and every frame: what a renderer has seen of them it can keep, and know by its words.
+struct PlacedStandIns {
+    enum class Kind : std::uint8_t {
+        tensors,  ///< words of PlacedTensor (approximation/opacity_tensor/appearance_lanes.hpp)
+        cubes,    ///< words of PlacedCube (approximation/color_cube/cube_lanes.hpp)
+    };
+    /// Words of one kind lie side by side: word i of number k is words[i * stride + k].
+    static constexpr std::size_t stride = 256;
+
+    Kind kind = Kind::tensors;
+    bool closed_surfaces = false, counts_overlap = true;  ///< of tensors, as is the next: see OpacityTensor
+    float sheet_gain = 1;
+    const std::uint32_t* words = nullptr;
+    std::size_t count = 0;  ///< `stride` at most
+
+    /// Of one.
+    constexpr std::size_t word_count() const { return kind == Kind::tensors ? 10 : 12; }
 };
 
 /// The first `count` of the primitives in a cell's subtree, own ones first, or as many as there are: what a stand-in

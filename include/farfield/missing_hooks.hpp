@@ -376,6 +376,9 @@ constexpr bool check_renderer() {
         static_assert(DrawsSplatsIfStated<R>,
                       "farfield: a renderer with `draws_splats` needs `void "
                       "draw(std::span<const Splat>)` and `float largest_splat_px() const`");
+        static_assert(ShapesStandInsIfStated<R>,
+                      "farfield: a renderer with `shapes_stand_ins` needs `draws_splats`, `void draw(const "
+                      "PlacedStandIns&)` and `bool shapes_stand_ins() const`");
         static_assert(DrawsPolygonsIfStated<R>,
                       "farfield: a renderer with `draws_polygons` needs `void draw(std::span<const Polygon>)`");
         static_assert(AnswersHiddenIfStated<R>,

@@ -35,8 +35,11 @@ struct RendererFacts {
     bool tells_lifetime = false;  ///< std::weak_ptr<const void> lifetime() const: expires when the renderer goes
     bool tells_light =
         false;  ///< std::optional<DirectionalLight> light() const: what primitives get and stand-ins have
-    bool draws_faces = false;     ///< draw(std::span<const Face>)
-    bool draws_splats = false;    ///< draw(std::span<const Splat>), float largest_splat_px()
+    bool draws_faces = false;   ///< draw(std::span<const Face>)
+    bool draws_splats = false;  ///< draw(std::span<const Splat>), float largest_splat_px()
+    /// draw(const PlacedStandIns&), bool shapes_stand_ins() const, asked of each batch: whether stand-ins that would
+    /// come as splats come as they are stored, where an approximation can, and the renderer makes splats of them.
+    bool shapes_stand_ins = false;
     bool draws_polygons = false;  ///< draw(std::span<const Polygon>): pieces made for this frame, local coordinates
     bool answers_hidden = false;  ///< bool hidden(const Cell&, CellId): may err only towards false
     /// bool deposits_primitives() const, asked once a frame or selection: whether its ranges carry their cell's law
@@ -112,6 +115,12 @@ concept DrawsSplats = requires(R& r, std::span<const Splat> splats) {
 };
 
 template <class R>
+concept ShapesStandIns = requires(R& r, const R& known, const PlacedStandIns& placed) {
+    r.draw(placed);
+    { known.shapes_stand_ins() } -> std::same_as<bool>;
+};
+
+template <class R>
 concept DrawsPolygons = requires(R& r, std::span<const Polygon> polygons) {
     r.draw(polygons);
 };
@@ -157,6 +166,8 @@ concept DrawsFacesIfStated = !R::facts.draws_faces || DrawsFaces<R>;
 template <class R>
 concept DrawsSplatsIfStated = !R::facts.draws_splats || DrawsSplats<R>;
 template <class R>
+concept ShapesStandInsIfStated = !R::facts.shapes_stand_ins || (R::facts.draws_splats && ShapesStandIns<R>);
+template <class R>
 concept DrawsChangingSources = !R::facts.keeps_sources || R::facts.draws_changing_sources;
 template <class R>
 concept DrawsPolygonsIfStated = !R::facts.draws_polygons || DrawsPolygons<R>;
@@ -174,8 +185,8 @@ concept SlicesImagesIfStated = !R::facts.slices_images || (R::facts.keeps_images
 template <class R, class P>
 concept Renderer = StatesItsFacts<R> && HasFrames<R> && DrawsRuns<R, P> && detail::KeepsSourcesIfStated<R, P> &&
     detail::SharesSourcesIfStated<R> && detail::TellsLifetimeIfStated<R> && detail::TellsLightIfStated<R> &&
-    detail::DrawsFacesIfStated<R> && detail::DrawsSplatsIfStated<R> && detail::DrawsPolygonsIfStated<R> &&
-    detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R> && detail::KeepsImagesIfStated<R> &&
-    detail::SlicesImagesIfStated<R>;
+    detail::DrawsFacesIfStated<R> && detail::DrawsSplatsIfStated<R> && detail::ShapesStandInsIfStated<R> &&
+    detail::DrawsPolygonsIfStated<R> && detail::AnswersHiddenIfStated<R> && detail::DepositsPrimitivesIfStated<R> &&
+    detail::KeepsImagesIfStated<R> && detail::SlicesImagesIfStated<R>;
 
 }  // namespace farfield

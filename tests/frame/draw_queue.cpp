@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/primitive/triangle.hpp"
 #include "support/views.hpp"
 
@@ -286,4 +287,45 @@ TEST_CASE("as many stand-ins wait as splats would", "[frame]") {
         for (const std::uint8_t mark : c.marks) CHECK(mark == 1 + at++ % 255);
     }
     CHECK(at == 600);
+}
+
+namespace {
+/// Takes tensors as they are stored, if it is told to.
+struct TakesPlaced : Log {
+    static constexpr RendererFacts facts{.draws_faces = true, .draws_splats = true, .shapes_stand_ins = true};
+    using Log::draw;
+    void draw(const PlacedStandIns& p) {
+        for (std::size_t i = 0; i < p.count; ++i) placed.push_back(p.words[2 * PlacedStandIns::stride + i]);
+        gain = p.sheet_gain;
+    }
+    bool shapes_stand_ins() const { return shapes; }
+    bool shapes = true;
+    std::vector<std::uint32_t> placed;  ///< the third words
+    float gain = 0;
+};
+}  // namespace
+
+TEST_CASE("stand-ins come as they are stored to a renderer that shapes them", "[frame]") {
+    const OpacityTensor policy{.sheet_gain = 1.25f};
+    TensorShape shape;
+    shape.root = {1, 0, 0, 1, 0, 1};
+    shape.extent = glm::vec3(1);
+    StoredTensor tensor = StoredTensor::packed(shape);
+    const Cell cell{{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {1, 1, 1}};
+    const LocalView from = view(0);
+    for (const bool shapes : {true, false}) {
+        Queue<TakesPlaced> q;
+        q.renderer.shapes = shapes;
+        for (int i = 0; i < 300; ++i) q.queue.add_placed(source, from, policy, tensor, cell);
+        q.queue.flush(source);
+        CHECK(q.stats.splats == 300);
+        if (shapes) {
+            CHECK(q.renderer.calls.empty());
+            CHECK(q.renderer.placed == std::vector<std::uint32_t>(300, std::uint32_t(tensor.second)));
+            CHECK(q.renderer.gain == 1.25f);
+        } else {
+            CHECK(q.renderer.calls.size() == 2);
+            CHECK(q.renderer.placed.empty());
+        }
+    }
 }

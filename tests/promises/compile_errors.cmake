@@ -202,6 +202,8 @@ expect_of_renderer(no_upload "upload(const Source<P>&)" ".keeps_sources = true" 
 expect_of_renderer(no_lifetime "lifetime() const" ".tells_lifetime = true" "${frames} ${runs}")
 expect_of_renderer(no_light "light() const" ".tells_light = true" "${frames} ${runs}")
 expect_of_renderer(no_faces "draw(std::span<const Face>)" ".draws_faces = true" "${frames} ${runs}")
+expect_of_renderer(no_placed "draw(const PlacedStandIns&)" ".draws_splats = true, .shapes_stand_ins = true"
+                   "${frames} ${runs} void draw(std::span<const Splat>) {} float largest_splat_px() const { return 2; }")
 expect_of_renderer(no_splats "draw(std::span<const Splat>)" ".draws_splats = true" "${frames} ${runs}")
 expect_of_renderer(no_frame_polygons "draw(std::span<const Polygon>)" ".draws_polygons = true" "${frames} ${runs}")
 expect_of_renderer(no_hidden "bool hidden(" ".answers_hidden = true" "${frames} ${runs}")

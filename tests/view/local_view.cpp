@@ -85,6 +85,15 @@ TEST_CASE("a view from inside an instance shows its points where the world's vie
         const glm::dvec3 a = on_picture(outer, placed.apply(p) - outer_origin), b = on_picture(inner, p - inner_origin);
         CHECK(glm::length(glm::dvec2(a) - glm::dvec2(b)) < 0.02);
         CHECK(std::abs(a.z - b.z) < 2e-5 * (1 + std::abs(a.z)));
+        // And says where they lie, of instances in instances too.
+        const auto outermost = [](const LocalView& in, glm::dvec3 at) {
+            return in.place + glm::dmat3(in.turned) * at * double(in.scale);
+        };
+        CHECK(outermost(outer, p) == p);
+        CHECK(glm::length(outermost(inner, p - inner_origin) - (placed.apply(p) - outer_origin)) < 1e-5);
+        const LocalView innermost = inner.inside(placed, inner_origin, inner_origin);
+        CHECK(glm::length(outermost(innermost, p - inner_origin) - outermost(inner, placed.apply(p) - inner_origin)) <
+              1e-4 * (1 + scale * glm::length(outer_origin)));
         // What is inside the planes stays inside.
         for (std::size_t k = 0; k < 5; ++k) {
             const double da =

@@ -55,10 +55,14 @@ class AnyRenderer {
     virtual const Image& image() const = 0;
     /// OpenGL's name of the texture that it was drawn into, in the context that drew it; 0: there is none.
     virtual unsigned texture() const { return 0; }
+    /// What the last frame sent to the GPU.
+    virtual std::uint64_t sent_bytes() const { return 0; }
 
     // Of those whose facts say so; never called of others.
     virtual void draw(std::span<const Face> faces) = 0;
     virtual void draw(std::span<const Splat> splats) = 0;
+    virtual void draw(const PlacedStandIns& placed) = 0;
+    virtual bool shapes_stand_ins() const = 0;
     virtual float largest_splat_px() const = 0;
     virtual bool deposits_primitives() const = 0;
     virtual bool hidden(const Cell& cell, CellId id) = 0;
@@ -91,9 +95,10 @@ class RendererLike {
     static constexpr RendererFacts facts = [] {
         RendererFacts f = Like::facts;
         f.keeps_sources = true;
-        f.tells_lifetime = false;  // it lives here
-        f.tells_light = false;     // scenes have their light baked in, and are drawn without one
-        f.draws_polygons = false;  // they come of MergedViewer only, which no scene is drawn by here
+        f.shapes_stand_ins = f.draws_splats;  // if this one does
+        f.tells_lifetime = false;             // it lives here
+        f.tells_light = false;                // scenes have their light baked in, and are drawn without one
+        f.draws_polygons = false;             // they come of MergedViewer only, which no scene is drawn by here
         return f;
     }();
 
@@ -124,6 +129,8 @@ class RendererLike {
     }
     void draw(std::span<const Face> faces) { renderer_->draw(faces); }
     void draw(std::span<const Splat> splats) { renderer_->draw(splats); }
+    void draw(const PlacedStandIns& placed) { renderer_->draw(placed); }
+    bool shapes_stand_ins() const { return renderer_->shapes_stand_ins(); }
     float largest_splat_px() const { return renderer_->largest_splat_px(); }
     bool deposits_primitives() const { return renderer_->deposits_primitives(); }
     bool hidden(const Cell& cell, CellId id) { return renderer_->hidden(cell, id); }

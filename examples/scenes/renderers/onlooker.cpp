@@ -93,6 +93,8 @@ const Image* Onlooker::from_outside(const LocalView* from) {
         if (!b.ranges.empty()) renderer_->draw(b.source, b.ranges);
         if (!b.faces.empty()) renderer_->draw(b.faces);
         if (!b.splats.empty()) renderer_->draw(b.splats);
+        b.placed.words = b.words.data();
+        if (b.placed.count != 0) renderer_->draw(b.placed);
         if (!b.quads.empty()) renderer_->draw(b.quads);
         for (const ImageQuad& q : b.quads) {
             const std::array<glm::vec3, 4> c = corners(b.view, q);

@@ -49,10 +49,17 @@ class Onlooker final : public AnyRenderer {
         remember({.view = local_, .splats = {splats.begin(), splats.end()}});
         renderer_->draw(splats);
     }
+    void draw(const PlacedStandIns& placed) override {
+        Batch batch{.view = local_, .placed = placed};
+        batch.words.assign(placed.words, placed.words + PlacedStandIns::stride * placed.word_count());
+        remember(std::move(batch));
+        renderer_->draw(placed);
+    }
     void draw(std::span<const ImageQuad> quads) override {
         remember({.view = local_, .quads = {quads.begin(), quads.end()}});
         renderer_->draw(quads);
     }
+    bool shapes_stand_ins() const override { return renderer_->shapes_stand_ins(); }
     float largest_splat_px() const override { return renderer_->largest_splat_px(); }
     bool deposits_primitives() const override { return renderer_->deposits_primitives(); }
     bool hidden(const Cell& cell, CellId id) override { return renderer_->hidden(cell, id); }
@@ -90,6 +97,8 @@ class Onlooker final : public AnyRenderer {
         std::vector<Face> faces{};
         std::vector<Splat> splats{};
         std::vector<ImageQuad> quads{};
+        PlacedStandIns placed{};
+        std::vector<std::uint32_t> words{};  ///< of them
     };
     using Segment = std::array<glm::vec3, 2>;  ///< in outermost coordinates
 

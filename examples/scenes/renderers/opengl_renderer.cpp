@@ -24,6 +24,7 @@ class HeadlessRenderer : HasContext, public opengl::GlRenderer {
         GlRenderer::end_frame();
         glFinish();
     }
+    std::uint64_t sent_bytes() const { return stats().uploaded_bytes; }
 };
 
 struct HasShading {
@@ -36,6 +37,7 @@ class CulledRenderer : HasShading, public opengl::CulledInSoftware<HeadlessRende
         : HasShading{HeadlessRenderer(options)},
           CulledInSoftware(shading,
                            ZBufferOptions{.samples = options.samples, .culls_back_faces = options.culls_back_faces}) {}
+    std::uint64_t sent_bytes() const { return shading.sent_bytes(); }
 };
 
 }  // namespace
@@ -56,6 +58,7 @@ std::unique_ptr<AnyRenderer> make_opengl_renderer(const RendererChoice& choice) 
     opengl::GlOptions options;
     options.samples = choice.samples;
     options.culls_back_faces = choice.culls_back_faces;
+    options.shapes_stand_ins = !choice.shapes_here;
     if (choice.draws_hidden) return std::make_unique<RendererBehind<HeadlessRenderer>>(options);
     return std::make_unique<RendererBehind<CulledRenderer>>(options);
 }

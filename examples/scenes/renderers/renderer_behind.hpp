@@ -55,12 +55,23 @@ class RendererBehind final : public AnyRenderer {
         if constexpr (requires { renderer_.texture(); }) return renderer_.texture();
         return 0;
     }
+    std::uint64_t sent_bytes() const override {
+        if constexpr (requires { renderer_.sent_bytes(); }) return renderer_.sent_bytes();
+        return 0;
+    }
 
     void draw([[maybe_unused]] std::span<const Face> faces) override {
         if constexpr (R::facts.draws_faces) renderer_.draw(faces);
     }
     void draw([[maybe_unused]] std::span<const Splat> splats) override {
         if constexpr (R::facts.draws_splats) renderer_.draw(splats);
+    }
+    void draw([[maybe_unused]] const PlacedStandIns& placed) override {
+        if constexpr (R::facts.shapes_stand_ins) renderer_.draw(placed);
+    }
+    bool shapes_stand_ins() const override {
+        if constexpr (R::facts.shapes_stand_ins) return renderer_.shapes_stand_ins();
+        return false;
     }
     float largest_splat_px() const override {
         if constexpr (R::facts.draws_splats) return renderer_.largest_splat_px();

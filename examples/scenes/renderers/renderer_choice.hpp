@@ -28,6 +28,7 @@ struct RendererChoice {
     bool maps_work = false;              ///< coverage masks tell where they visit cells, too, which takes time
     bool looks_on = false;               ///< what it drew can be seen from outside, which takes time and memory
     bool draws_hidden = false;           ///< of OpenGL: no z-buffer on the processor says what is hidden
+    bool shapes_here = false;            ///< of OpenGL: stand-ins are shaped on the processor and sent, for comparison
     unsigned threads = 1;                ///< above 1: bands of the picture are drawn at once; without maps_work
 
     friend bool operator==(const RendererChoice&, const RendererChoice&) = default;

@@ -187,6 +187,10 @@ struct ColorCube {
         }
         for (std::size_t side = 0; side < 6; ++side) put(PlacedCube::colors + side, data[side]);
     }
+    PlacedStandIns placed(const std::uint32_t* words, std::size_t count) const {
+        static_assert(words_placed == PlacedStandIns{.kind = PlacedStandIns::Kind::cubes}.word_count());
+        return {.kind = PlacedStandIns::Kind::cubes, .words = words, .count = count};
+    }
     template <class Sink>
     void draw_placed(const std::uint32_t* words, std::size_t count, const LocalView& view, Sink&& sink) const {
         const auto fill = [&](auto splats_of, std::size_t first, std::size_t n, PlacedSplats& out) {

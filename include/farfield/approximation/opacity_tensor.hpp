@@ -165,9 +165,14 @@ struct OpacityTensor {
         put_number(PlacedTensor::reach, TensorAppearance::least_reach(cell));
         put_number(PlacedTensor::scale, data.scale());
     }
+    PlacedStandIns placed(const std::uint32_t* words, std::size_t count) const {
+        static_assert(words_placed == PlacedStandIns{.kind = PlacedStandIns::Kind::tensors}.word_count());
+        const TensorOptions o = options();
+        return {PlacedStandIns::Kind::tensors, o.closed_surfaces, o.counts_overlap, o.sheet_gain, words, count};
+    }
     template <class Sink>
     void draw_placed(const std::uint32_t* words, std::size_t count, const LocalView& view, Sink&& sink) const {
-        const TensorOptions options{closed_surfaces, counts_overlap, closed_surfaces ? closed_sheet_gain : sheet_gain};
+        const TensorOptions options = this->options();
         const auto fill = [&](auto splats_of, std::size_t first, std::size_t n, PlacedSplats& out) {
             return splats_of(words + first, n, view, options, out);
         };
@@ -185,6 +190,9 @@ struct OpacityTensor {
     }
 
   private:
+    TensorOptions options() const {
+        return {closed_surfaces, counts_overlap, closed_surfaces ? closed_sheet_gain : sheet_gain};
+    }
     template <class Sink>
     void draw_splat(const TensorAppearance& appearance, glm::vec3 center, float unit, float least_reach,
                     const LocalView& view, Sink&& sink) const {
@@ -198,7 +206,7 @@ struct OpacityTensor {
         const float part = area / (size.x * size.y);
         const AreaLaw law = appearance.shape.law;
         const bool gains = law == AreaLaw::coherent && appearance.reaches_across(unit, least_reach);
-        const float gain = !gains ? 1.0f : closed_surfaces ? closed_sheet_gain : sheet_gain;
+        const float gain = gains ? options().sheet_gain : 1.0f;
         const glm::vec3 rgb = seen.rgb + 0.5f;
         sink(Splat{center, size * unit, std::min(gain * part, 1.0f),
                    Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(law)}});

@@ -107,9 +107,17 @@ class DrawQueue {
             placed_policy_ = &policy;
             placed_view_ = &view;
             draw_placed_ = [](DrawQueue& queue) {
-                static_cast<const A*>(queue.placed_policy_)
-                    ->draw_placed(queue.placed_.data(), std::exchange(queue.placed_count_, 0), *queue.placed_view_,
-                                  [&](const Splat& splat) { queue.splats_[queue.splat_count_++] = splat; });
+                const A& placing = *static_cast<const A*>(queue.placed_policy_);
+                const std::uint32_t* const words = queue.placed_.data();
+                const std::size_t count = std::exchange(queue.placed_count_, 0);
+                if constexpr (R::facts.shapes_stand_ins && detail::NamesPlaced<A>) {
+                    if (queue.renderer_.shapes_stand_ins()) {
+                        queue.stats_.splats += count;
+                        return queue.renderer_.draw(placing.placed(words, count));
+                    }
+                }
+                placing.draw_placed(words, count, *queue.placed_view_,
+                                    [&](const Splat& splat) { queue.splats_[queue.splat_count_++] = splat; });
             };
         }
         policy.place(data, cell, placed_.data() + placed_count_);

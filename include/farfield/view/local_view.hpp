@@ -44,6 +44,10 @@ struct LocalView {
     float near_depth = 0;        ///< local units; -infinity: nothing is cut
     float far_depth = std::numeric_limits<float>::infinity();  ///< local units
     float scale = 1;  ///< world units in one local unit of length: multiply depths by it to compare instances
+    /// How local coordinates lie in the outermost hierarchy's, for renderers that keep it: p is place + turned p scale
+    /// there.
+    glm::mat3 turned{1.0f};
+    glm::dvec3 place{0.0};
     float tolerance_px = 1;
     WantedError wanted = WantedError::any();
     float tolerance_jitter = 0;
@@ -111,8 +115,8 @@ struct LocalView {
         off_center = whole_off_center;
         if (!view.part.is_whole()) {
             const glm::dvec2 size(width, height), whole(part.whole_width, part.whole_height);
-            const glm::dvec2 place(part.left, part.top);
-            off_center = (whole_off_center * whole + (2.0 * place + size - whole) * glm::dvec2(1, -1)) / size;
+            const glm::dvec2 corner(part.left, part.top);
+            off_center = (whole_off_center * whole + (2.0 * corner + size - whole) * glm::dvec2(1, -1)) / size;
         }
         if (view.camera.half_width > 0) {
             const glm::vec2 focal(float(part.whole_width) / (2 * view.camera.half_width), focal_px);
@@ -147,6 +151,9 @@ struct LocalView {
         v.forward = to_local * forward;
         v.near_depth = near_depth / placed.scale();
         v.far_depth = far_depth / placed.scale();
+        const glm::dvec3 origin = glm::dmat3(placed.rotation()) * inner_origin * double(placed.scale());
+        v.place = place + glm::dmat3(turned) * (origin + placed.translation - outer_origin) * double(scale);
+        v.turned = turned * placed.rotation();
         v.scale = scale * placed.scale();
         if (!is_perspective) v.focal_px = focal_px * placed.scale();
         v.set_planes();

@@ -101,6 +101,12 @@ struct StoredTensor {
         const float root = float(second >> 56 & 31) * (1.0f / 31);
         return root * root;
     }
+    glm::vec3 extent() const {
+        const auto along = [&](unsigned axis) {
+            return extents[std::size_t((second >> (61 + axis) & 1) << 4 | (first >> (51 + 4 * axis) & 15))];
+        };
+        return {along(0), along(1), along(2)};
+    }
     /// The extent that is stored for one, which is from 1/64 to 1.
     static glm::vec3 rounded_extent(glm::vec3 extent) {
         return {extents[extent_code(extent.x)], extents[extent_code(extent.y)], extents[extent_code(extent.z)]};
