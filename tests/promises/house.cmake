@@ -90,6 +90,7 @@ tested_by(renderer/coverage_renderer coverage/polygons/far_polygons coverage/pol
 tested_by(coverage/tiler/mask_kernel simd)
 tested_by(frame/selection frame/draw_now)
 tested_by(frame/descent frame/stand_in_choice frame/item_runs)
+tested_by(paging/paged_approximations frame/contents_box)
 tested_by(frame/frame_budget frame/opened_cells frame/work_of_cut)
 tested_by(tuning/measure_frame_prices frame/frame_prices)
 tested_by(hierarchy/fingerprint geometry/mixed)
