@@ -19,6 +19,9 @@
 //                                                           corners
 //     words_placed, place(data, cell, words), draw_placed(words, count, view, sink)
 //                                                           many at once, by splats: see DrawsPlaced
+//     contents_box(data, cell, view)  -> ContentsBox        what is drawn of a cell that is too near for its stand-in
+//                                                           while its contents are missing, by renderers that have
+//                                                           splats; without it the stand-in is
 //
 // Facts announce whatever else it has, and make it required.
 #pragma once
@@ -75,6 +78,13 @@ struct ChildDraft {
     unsigned child = 0;
     const Cell* cell = nullptr;
     const Draft* draft = nullptr;
+};
+
+/// A box that holds what a stand-in stands for, and how much of its outline is covered, as a Splat says that.
+struct ContentsBox {
+    glm::vec3 center, half;
+    float opacity = 0;
+    Rgba8 rgb{};
 };
 
 namespace archetype {
@@ -302,6 +312,12 @@ concept DrawsPlaced = requires {
 template <class A>
 concept DrawsLargePlaced = DrawsPlaced<A> && !requires(const A& a, const Cell& cell, const LocalView& view) {
     a.places(cell, view, 0.0f);
+};
+
+template <class A>
+concept TellsContentsBox = requires(const A& a, const typename A::stand_in_data& data, const Cell& cell,
+                                    const LocalView& view) {
+    { a.contents_box(data, cell, view) } -> std::same_as<ContentsBox>;
 };
 
 template <class A, class Data>
