@@ -14,7 +14,7 @@ farfield_web_packages=(python3)
 farfield_browser_packages=(chromium)
 # For .ci/run: a second compiler, formatting, the reference; ccache makes the next run short.
 farfield_check_packages=(clang libclang-rt-14-dev clang-format-14 doxygen ccache nginx-light libzstd-dev xvfb
-    xdotool)
+    xdotool openmpi-bin libopenmpi-dev)
 # For whoever wants others' renderers in bench_coverage_peers; nothing installs them unasked.
 farfield_peer_packages=(libembree-dev libepoxy-dev libegl-dev libegl-mesa0 libgl1-mesa-dri)
 

@@ -27,6 +27,7 @@
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/approximation/sample_set.hpp"
+#include "farfield/build_pages/disk_room.hpp"
 #include "farfield/build_pages/ordered_results.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/executor.hpp"
@@ -225,6 +226,77 @@ TEST_CASE("A build whose disk is full names the file, and goes on when there is 
     build_pages<Tensors, Triangle>(stream_of(scene), path, options);
     CHECK(bytes_of_file(path) == expected);
     CHECK(directory.files() == 2);
+}
+#endif
+
+TEST_CASE("Room on the disk is looked for before anything is moved") {
+    const TemporaryDirectory directory;
+    const Triangles scene = mixed_triangles(20000, 13);
+    auto options = in_many_parts<Tensors>();
+    options.page_bytes = 4096;
+    const auto path = directory.path() / "scene.farfield";
+    const std::uint64_t needed = disk_bytes_of_build<Triangle>(scene.size());
+    int reads = 0;
+    const auto stream = [&](auto&& take) {
+        ++reads;
+        for (const Triangle& t : scene) take(t);
+    };
+    SECTION("less may be taken than it needs") {
+        options.most_disk_bytes = needed / 2;
+        CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream, path, options)),
+                          Catch::Matchers::Contains("scene.farfield") &&
+                              Catch::Matchers::Contains("needs about 2 MiB") &&
+                              Catch::Matchers::Contains("most_disk_bytes"));
+        CHECK(reads == 2);  // for the bounds, and to count
+        CHECK(directory.files() == 0);
+    }
+    SECTION("what it needs may be taken") {
+        // And a page for each group of parts, which may end in its midst.
+        options.most_disk_bytes = needed + 200 * options.page_bytes;
+        build_pages<Tensors, Triangle>(stream, path, options);
+        CHECK(reads == 3);
+        CHECK(std::filesystem::exists(path));
+        CHECK(std::filesystem::file_size(path) < needed);
+    }
+    SECTION("the disk has less than it needs") {
+        constexpr std::uint64_t too_much = std::uint64_t(1) << 62, any = std::numeric_limits<std::uint64_t>::max();
+        CHECK_THROWS_WITH(detail::check_disk_room(path, too_much, any),
+                          Catch::Matchers::Contains("scene.farfield") &&
+                              Catch::Matchers::Contains("needs about 4398046511105 MiB") &&
+                              Catch::Matchers::Contains(" left"));
+        CHECK_THROWS_WITH(detail::check_disk_room("scene.farfield", too_much, any),
+                          Catch::Matchers::Contains("scene.farfield"));
+        CHECK_NOTHROW(detail::check_disk_room(path, 1, any));
+    }
+}
+
+#if __has_include(<sys/wait.h>)
+TEST_CASE("A disk that fills up while pages are written is told of, and the build goes on when there is room") {
+    if (!std::filesystem::exists("/dev/full")) {
+        WARN("skipped: this system has no /dev/full");
+        return;
+    }
+    const TemporaryDirectory directory;
+    const Triangles scene = mixed_triangles(20000, 13);
+    const auto options = in_many_parts<Tensors>();
+    const auto path = directory.path() / "scene.farfield", pages = directory / "scene.farfield.0-of-1.pages";
+    int reads = 0;
+    const auto stream = [&](auto&& take) {
+        for (const Triangle& t : scene) take(t);
+        // By the end of the third time all has been moved and no page been written.
+        if (++reads == 3) std::filesystem::create_symlink("/dev/full", pages);
+    };
+    for (int i = 0; i < 2; ++i) {
+        CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream, path, options)),
+                          Catch::Matchers::Contains("scene.farfield.0-of-1.pages: cannot be written: No space left"));
+        CHECK_FALSE(std::filesystem::exists(path));
+    }
+    std::filesystem::remove(pages);
+    build_pages<Tensors, Triangle>(stream, path, options);
+    CHECK(directory.files() == 1);
+    const auto other = directory / "other.farfield";
+    build_pages<Tensors, Triangle>(stream, other, options);
+    CHECK(bytes_of_file(path) == bytes_of_file(other));
 }
 #endif
 

@@ -1,10 +1,11 @@
 // Scenes larger than memory (Klein et al. 2002, sections 5 to 7), on their chessboards: building within 256 MiB, frames
 // of a walk with a cache of 64 MiB, the first image, and caches smaller than what a walk needs.
 //
-//     bench_pages [--quick] [--directory DIR] [--millions N[,N...]] [--url URL]
+//     bench_pages [--quick] [--directory DIR] [--millions N[,N...]] [--url URL [--delay-ms N]]
 //
-// --url: what a web server gives of the last file, for caches smaller than a walk needs, and nothing else.
-// Files are kept in DIR (default: bench_pages in the system's folder for temporary files) and used again.
+// --url: what a web server gives of the last file, for the first image and caches smaller than a walk needs, and
+// nothing else; with --delay-ms every request to it takes so much longer. Files are kept in DIR (default: bench_pages
+// in the system's folder for temporary files) and used again.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -17,7 +18,9 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -171,6 +174,57 @@ class Walk {
     std::uint64_t missing_ = 0, primitives_ = 0, splats_ = 0, cells_ = 0, before_ = 0;
 };
 
+/// A source whose reads take longer, as those of a server that is far away; those of the first bytes, which are kept,
+/// do not.
+template <class S>
+struct Delayed {
+    S source;
+    std::chrono::milliseconds delay;
+    std::uint64_t kept_bytes = 0;
+
+    std::uint64_t size() const noexcept { return source.size(); }
+    ReadMerging merging() const noexcept { return source.merging(); }
+    ReadResult read(std::uint64_t offset, std::span<std::byte> bytes) noexcept {
+        if (offset + bytes.size() > kept_bytes) std::this_thread::sleep_for(delay);
+        return source.read(offset, bytes);
+    }
+    void cancel() noexcept requires(CancellablePageSource<S>) { source.cancel(); }
+};
+
+/// From nothing to a first image, and to one that misses nothing: medians of several. `open()` opens what is read.
+template <class Open>
+void first_images(const char* from, int repeats, Open&& open) {
+    for (const double altitude : {0.05, 0.02}) {
+        const View view = walk(0, altitude, 0, 4);
+        std::vector<double> opened_ms, first_ms, whole_ms, reads, frames, empty;
+        for (int i = 0; i < repeats; ++i) {
+            const auto begin = Clock::now();
+            const Paged pages = open();
+            opened_ms.push_back(ms_since(begin));
+            ZBufferRenderer renderer;
+            auto viewer = make_viewer(pages, renderer);
+            viewer.frame(view);
+            first_ms.push_back(ms_since(begin));
+            const std::vector<Rgba8> first(renderer.image().pixels().begin(), renderer.image().pixels().end());
+            int count = 1;
+            while (viewer.frame(view).cells_missing != 0 && ms_since(begin) < 20'000) ++count;
+            whole_ms.push_back(ms_since(begin));
+            frames.push_back(count);
+            reads.push_back(double(pages.cache_stats().reads));
+            const auto whole = renderer.image().pixels();
+            double holes = 0;
+            for (std::size_t p = 0; p < first.size(); ++p) holes += first[p].a == 0 && whole[p].a == 255;
+            empty.push_back(holes);
+        }
+        std::printf(
+            "| first image, %s, altitude %.2f, median of %d | opened %.1f ms, first image %.1f ms, worst %.1f, in "
+            "which %.0f pixels have nothing; nothing missing after %.0f ms, %.0f frames, %.0f reads |\n",
+            from, altitude, repeats, quantile(opened_ms, 0.5), quantile(first_ms, 0.5), quantile(first_ms, 1),
+            quantile(empty, 0.5), quantile(whole_ms, 0.5), quantile(frames, 0.5), quantile(reads, 0.5));
+        std::fflush(stdout);
+    }
+}
+
 /// Walks over all boards, frame by frame in turn, so that whatever else the machine does meets all of them.
 void walks(const std::vector<std::filesystem::path>& files, const std::vector<double>& millions, int frames) {
     for (const double altitude : {0.05, 0.02}) {
@@ -244,6 +298,7 @@ int main(int argc, char** argv) {
     std::vector<double> millions{8, 80};
     int frames = 200;
     std::string url;
+    int delay_ms = 0;
     for (int i = 1; i < argc; ++i) {
         const std::string argument = argv[i];
         if (argument == "--quick") {
@@ -253,6 +308,8 @@ int main(int argc, char** argv) {
             directory = argv[++i];
         } else if (argument == "--url" && i + 1 < argc) {
             url = argv[++i];
+        } else if (argument == "--delay-ms" && i + 1 < argc) {
+            delay_ms = std::atoi(argv[++i]);
         } else if (argument == "--millions" && i + 1 < argc) {
             millions.clear();
             for (const char* p = argv[++i]; *p != '\0';) {
@@ -264,7 +321,8 @@ int main(int argc, char** argv) {
         } else {
             std::fprintf(
                 stderr,
-                "bench_pages: %s is no option; there are --quick, --directory DIR, --millions N,N and --url URL\n",
+                "bench_pages: %s is no option; there are --quick, --directory DIR, --millions N,N, --url URL and "
+                "--delay-ms N\n",
                 argument.c_str());
             return 2;
         }
@@ -272,18 +330,28 @@ int main(int argc, char** argv) {
     std::filesystem::create_directories(directory);
     std::vector<std::filesystem::path> files;
     for (const double m : millions) files.push_back(build_if_missing(directory, std::uint64_t(m * 1e6)));
-    if (url.empty()) walks(files, millions, frames);
-    const int capped_frames = frames < 200 ? frames : 600;
+    const int capped_frames = frames < 200 ? frames : 600, repeats = frames < 200 ? 5 : 15;
     if (url.empty()) {
+        first_images("file", repeats, [&] {
+            return farfield::open_pages<H, farfield::Triangle>(files.back(), {.most_bytes = std::size_t(64) << 20});
+        });
+        walks(files, millions, frames);
         caps(files.back(), capped_frames, "file", [&](std::size_t most_bytes) {
             return farfield::open_pages<H, farfield::Triangle>(files.back(), {.most_bytes = most_bytes});
         });
     } else {
 #if FARFIELD_HAS_HTTP
-        caps(files.back(), capped_frames, "HTTP", [&](std::size_t most_bytes) {
-            return farfield::open_pages_of<H, farfield::Triangle>(std::make_shared<farfield::HttpPageSource>(url), url,
-                                                                  {.most_bytes = most_bytes});
-        });
+        const std::chrono::milliseconds delay(delay_ms);
+        const auto open = [&](std::size_t most_bytes) {
+            std::this_thread::sleep_for(delay);
+            using Source = Delayed<farfield::HttpPageSource>;
+            const farfield::HttpOptions options;
+            auto source =
+                std::make_shared<Source>(Source{farfield::HttpPageSource(url, options), delay, options.head_bytes});
+            return farfield::open_pages_of<H, farfield::Triangle>(std::move(source), url, {.most_bytes = most_bytes});
+        };
+        first_images("HTTP", repeats, [&] { return open(std::size_t(64) << 20); });
+        caps(files.back(), capped_frames, "HTTP", open);
 #else
         std::fprintf(stderr, "bench_pages: built without libcurl\n");
         return 2;

@@ -20,6 +20,9 @@
 //     words_placed, place(data, cell, words), draw_placed(words, count, view, sink)
 //                                                           many at once, by splats: see DrawsPlaced
 //     placed(words, count) -> PlacedStandIns                what they are, for renderers that make the splats
+//     contents_box(data, cell, view)  -> ContentsBox        what is drawn of a cell that is too near for its stand-in
+//                                                           while its contents are missing, by renderers that have
+//                                                           splats; without it the stand-in is
 //
 // Facts announce whatever else it has, and make it required.
 #pragma once
@@ -76,6 +79,13 @@ struct ChildDraft {
     unsigned child = 0;
     const Cell* cell = nullptr;
     const Draft* draft = nullptr;
+};
+
+/// A box that holds what a stand-in stands for, and how much of its outline is covered, as a Splat says that.
+struct ContentsBox {
+    glm::vec3 center, half;
+    float opacity = 0;
+    Rgba8 rgb{};
 };
 
 namespace archetype {
@@ -308,6 +318,12 @@ concept NamesPlaced = DrawsPlaced<A> && requires(const A& a, const std::uint32_t
 template <class A>
 concept DrawsLargePlaced = DrawsPlaced<A> && !requires(const A& a, const Cell& cell, const LocalView& view) {
     a.places(cell, view, 0.0f);
+};
+
+template <class A>
+concept TellsContentsBox = requires(const A& a, const typename A::stand_in_data& data, const Cell& cell,
+                                    const LocalView& view) {
+    { a.contents_box(data, cell, view) } -> std::same_as<ContentsBox>;
 };
 
 template <class A, class Data>

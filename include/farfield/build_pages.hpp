@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "farfield/build_pages/disk_room.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
 #include "farfield/build_pages/share_builder.hpp"

@@ -1,7 +1,9 @@
 // Everything that can be stored can be paged, and whatever draws what changes draws it.
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -25,6 +27,7 @@
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/viewer.hpp"
 #include "support/pictures.hpp"
+#include "support/random.hpp"
 #include "support/scenes.hpp"
 #include "support/views.hpp"
 
@@ -106,4 +109,45 @@ TEMPLATE_TEST_CASE("Renderers that read what changes draw pages as memory", "", 
     const Triangles triangles = mixed_triangles(6000, 43);
     const auto h = build<Over<Octree, OpacityTensor>>(triangles);
     check_pictures<TestType>(h, triangles);
+}
+
+TEMPLATE_TEST_CASE("Whoever is inside a scene sees no hole where pages are missing", "", (Over<Octree, OpacityTensor>),
+                   (Over<Octree, SidedTensor>), (Over<Octree, ColorCube>), (Over<Octree, AreaSplat>),
+                   (Over<Octree, SampleSet<AreaSplat>>)) {
+    const Rgba8 color{90, 160, 60, 255};
+    Triangles flat = sheet({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 90, 90, color), hills = flat;
+    for (Triangle& t : hills) {
+        for (glm::vec3& v : t.vertices) v.y = 0.05f * std::sin(7 * v.x) * std::cos(9 * v.z);
+    }
+    Triangles room = sphere(glm::vec3(0), 1, 70, color);
+    Random random(3);
+    for (const Triangles& scene : {std::ref(flat), std::ref(hills), std::ref(room)}) {
+        const auto h = build<TestType>(scene);
+        ZBufferRenderer whole_renderer, renderer;
+        auto whole = make_viewer(h, scene, whole_renderer);
+        int holes = 0, pixels = 0, coarse_frames = 0;
+        for (int i = 0; i < 6; ++i) {
+            glm::dvec3 eye(random.in_cube(0.5f));
+            if (&scene != &room) eye.y = 0.08;
+            const double angle = random.between(0, 6.28f);
+            const View v = looking(eye, eye + glm::dvec3(std::cos(angle), -0.3, std::sin(angle)), 64, 2);
+            whole.frame(v);
+            auto pages = paged_like(h, scene);
+            auto viewer = make_viewer(pages, renderer);
+            for (int frame = 0; frame < 8; ++frame) {
+                if (viewer.frame(v).cells_missing == 0) break;
+                ++coarse_frames;
+                const auto seen = renderer.image().pixels(), wanted = whole_renderer.image().pixels();
+                for (std::size_t p = 0; p < seen.size(); ++p) {
+                    pixels += wanted[p].a == 255;
+                    holes += wanted[p].a == 255 && seen[p].a == 0;
+                }
+                pages.load_wanted();
+            }
+        }
+        INFO(holes << " of " << pixels << " pixels in " << coarse_frames << " frames");
+        CHECK(coarse_frames > 6);
+        // Contents reach a little beyond their boxes, which are those of cells.
+        CHECK(holes <= pixels / 500);
+    }
 }

@@ -90,6 +90,7 @@ tested_by(renderer/coverage_renderer coverage/polygons/far_polygons coverage/pol
 tested_by(coverage/tiler/mask_kernel simd)
 tested_by(frame/selection frame/draw_now)
 tested_by(frame/descent frame/stand_in_choice frame/item_runs)
+tested_by(paging/paged_approximations frame/contents_box)
 tested_by(frame/frame_budget frame/opened_cells frame/work_of_cut)
 tested_by(tuning/measure_frame_prices frame/frame_prices)
 tested_by(hierarchy/fingerprint geometry/mixed)
@@ -98,13 +99,12 @@ tested_by(merged_viewer merged_viewer/body_walker)
 tested_by(partition/polygon_bsp partition/child_boxes)
 tested_by(partition/gap_bsp partition/extent partition/gap_planes partition/plane_sides)
 tested_by(pick geometry/ray view/pixel_ray)
-tested_by(paging/paged_approximations)
 tested_by(paging/page_cache paging/page_attempts paging/page_cache_options paging/page_demand paging/page_room paging/page_user
           paging/wanted_pages)
 tested_by(paging/paged_hierarchy paging/check_pageable paging/open_pages paging/page_check paging/page_file_head paging/page_forest
           paging/page_format paging/write_pages)
 tested_by(paging/packed_pages paging/packed_format paging/pack_pages paging/unpacked_pages)
-tested_by(build_pages build_pages/build_journal build_pages/file_in_place build_pages/group_builder build_pages/ordered_results build_pages/page_build build_pages/page_share
+tested_by(build_pages build_pages/build_journal build_pages/disk_room build_pages/file_in_place build_pages/group_builder build_pages/kept_share build_pages/ordered_results build_pages/page_build build_pages/page_share
           build_pages/scattered_file build_pages/scene_survey build_pages/share_builder build_pages/share_joiner
           build_pages/spare_buffers build_pages/stream_batches build_pages/top_pages build_pages/top_tree)
 tested_by(raster/box_footprint raster/box_fronts)

@@ -208,6 +208,28 @@ struct AreaSplat {
         sink(splat);
     }
 
+    /// The box of the cell, less thick where nearly all is seen along one axis, as of ground or a wall.
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+        if (is_nothing(data)) return {};
+        const glm::vec3 parts = filled_parts(data), middle = center_in(data, cell),
+                        towards = view.towards_viewer(middle);
+        const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);
+        // It is as thick at least as its place is uncertain, which is kept in steps.
+        const glm::vec3 thick = glm::sqrt(without_depth(glm::vec3(1), parts)) * cell.half,
+                        half = glm::max(thick, cell.bounds_half * (1.0f / 128)), unit = half / cell.largest_side();
+        // In the box, but along the thin axis, where contents of a loose cell may lie beside it.
+        glm::vec3 center = cell.center;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (half[axis] < cell.half[axis]) center[axis] = middle[axis];
+        }
+        const float outline = outline_of(unit, w), area = part_seen(parts, w);
+        glm::vec3 sum(0);
+        for (const Rgba8 c : data) sum += glm::vec3(c.r, c.g, c.b);
+        const glm::vec3 rgb = sum / 6.0f + 0.5f;
+        return {center, half, outline > area ? area / outline : 1.0f,
+                Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(AreaLaw::coherent)}};
+    }
+
   private:
     ColorCube colors() const { return {.samples = samples}; }
 
@@ -226,11 +248,7 @@ struct AreaSplat {
             return glm::vec2(glm::dot(glm::abs(to_right), half), glm::dot(glm::abs(to_up), half)) * 2.0f;
         };
         const glm::vec2 box = extent(cell.half);
-        const int flat = parts.x >= parts.y ? (parts.x >= parts.z ? 0 : 2) : (parts.y >= parts.z ? 1 : 2);
-        const float others = glm::max(parts[(flat + 1) % 3], parts[(flat + 2) % 3]) / parts[flat];
-        glm::vec3 half = cell.half;
-        half[flat] *= others * others;  // all of it where as much is seen along another
-        const glm::vec2 shape = extent(half);
+        const glm::vec2 shape = extent(without_depth(cell.half, parts));
         if (!(shape.x > 0) || !(shape.y > 0)) return;
         const float side = splat.size.x * std::sqrt(part);  // of a square of the area that is seen
         float width = glm::min(side * std::sqrt(shape.x / shape.y), box.x);
@@ -242,6 +260,14 @@ struct AreaSplat {
         const glm::vec2 place(glm::dot(to_right, from_middle), glm::dot(to_up, from_middle));
         const glm::vec2 most = (box - splat.size) * 0.5f, moved = glm::clamp(place, -most, most) - place;
         splat.center += view.right * moved.x + view.up * moved.y;
+    }
+
+    /// Half of a box, less thick along the axis that most is seen along; all of it where as much is seen along another.
+    static glm::vec3 without_depth(glm::vec3 half, glm::vec3 parts) {
+        const int flat = parts.x >= parts.y ? (parts.x >= parts.z ? 0 : 2) : (parts.y >= parts.z ? 1 : 2);
+        const float others = glm::max(parts[(flat + 1) % 3], parts[(flat + 2) % 3]) / parts[flat];
+        half[flat] *= others * others;
+        return half;
     }
 
     /// The mean over all directions d of |(p.x d.x, p.y d.y, p.z d.z)|, within 2 % of it: a half for one axis alone, 1

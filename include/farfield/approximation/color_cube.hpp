@@ -170,6 +170,16 @@ struct ColorCube {
         draw_splat(data, cell, faces, view, sink);
     }
 
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView&) const {
+        glm::vec4 sum(0);
+        for (const Rgba8 c : data) sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a));
+        const float covered = sum.w * (1.0f / (6 * 255));
+        const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255 / glm::max(sum.w, 1.0f)) + 0.5f, glm::vec3(255.0f));
+        return {cell.center, cell.half, covered,
+                Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z),
+                      std::uint8_t(law_of_opacity(covered))}};
+    }
+
     // Many at once: see DrawsPlaced in approximation.hpp.
 
     static constexpr std::size_t words_placed = PlacedCube::words;

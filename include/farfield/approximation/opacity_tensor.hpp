@@ -147,6 +147,19 @@ struct OpacityTensor {
         draw_splat(appearance, center, tensor_unit(cell), TensorAppearance::least_reach(cell), view, sink);
     }
 
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+        const TensorAppearance appearance = appearance_of(data);
+        const glm::vec3 center = appearance.center_in(cell), half = 0.5f * appearance.shape.extent,
+                        towards = view.towards_viewer(center);
+        const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);
+        const TensorAppearance::Seen seen = appearance.seen_from(w);
+        const float outline = outline_of(half, w);
+        const glm::vec3 rgb = seen.rgb + 0.5f;
+        return {
+            center, half * tensor_unit(cell), outline > seen.area ? seen.area / outline : 1.0f,
+            Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z), std::uint8_t(appearance.shape.law)}};
+    }
+
     // Many at once: see DrawsPlaced in approximation.hpp.
 
     static constexpr std::size_t words_placed = PlacedTensor::words;

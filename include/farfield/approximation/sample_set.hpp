@@ -150,6 +150,11 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         }
     }
 
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const
+        requires(detail::TellsContentsBox<Inner>) {
+        return inner.contents_box(data.inner, cell, view);
+    }
+
     // Many at once: see DrawsPlaced in approximation.hpp.
 
     static constexpr std::size_t words_placed = [] {

@@ -105,6 +105,10 @@ struct SidedTensor {
                                                              sum / std::max(weight, 0x1p-118f)};
         tensor.draw_stand_in(data.tensor, cell, view, colored);
     }
+    /// In the tensor's color: from inside a cell no side is seen.
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+        return tensor.contents_box(data.tensor, cell, view);
+    }
     template <class Sink>
     void polygons(const stand_in_data& data, const Cell& cell, Sink&& sink) const {
         tensor.polygons(data.tensor, cell, sink);

@@ -76,7 +76,7 @@ class BuildJournal {
         bool is_written = std::fwrite(&head, sizeof head, 1, file) == 1 &&
                           std::fwrite(record.bytes().data(), 1, record.bytes().size(), file) == record.bytes().size();
         is_written = std::fclose(file) == 0 && is_written;
-        if (!is_written) refuse_file("build_pages", path_, "cannot be written: is the disk full?");
+        if (!is_written) refuse_file("build_pages", path_, "cannot be written: " + system_message(errno));
     }
 
     /// Everything that was written is on the disk when it returns.

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -38,6 +39,9 @@ struct PageBuildOptions {
     std::uint32_t page_bytes = 65536;
     /// What the build takes, beside the stream and the program, roughly. The file depends on it.
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
+    /// What the build, or a share of it, may take of the disk; what is free there is a limit anyway. One that needs
+    /// more (disk_bytes_of_build) is refused before anything is moved.
+    std::uint64_t most_disk_bytes = std::numeric_limits<std::uint64_t>::max();
 };
 
 namespace detail {

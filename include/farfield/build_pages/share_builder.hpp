@@ -7,19 +7,18 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <filesystem>
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "farfield/build/build_progress.hpp"
 #include "farfield/build_pages/build_journal.hpp"
+#include "farfield/build_pages/disk_room.hpp"
 #include "farfield/build_pages/file_in_place.hpp"
 #include "farfield/build_pages/group_builder.hpp"
+#include "farfield/build_pages/kept_share.hpp"
 #include "farfield/build_pages/ordered_results.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
@@ -32,7 +31,6 @@
 #include "farfield/fail.hpp"
 #include "farfield/paging/page_forest.hpp"
 #include "farfield/paging/page_format.hpp"
-#include "farfield/storage/mapped_file.hpp"
 
 namespace farfield {
 namespace detail {
@@ -95,8 +93,7 @@ class ShareBuilder {
         ShareRecord<A, P> known;
         std::vector<std::uint64_t> first_item{0};
         for (std::size_t g = begin; g < end; ++g) first_item.push_back(first_item.back() + tree.items_of_group(g));
-        if (!known.read(journal.records()) || !has_pages(known, files) ||
-            !has_primitives(known, files, tree, begin, end)) {
+        if (!known.read(journal.records()) || !KeptShare<Build>(build_, known, files).is_whole(tree, begin, end)) {
             files.remove_all();
             known = {};
             scatter(stream, tree, files, begin, end, known);
@@ -144,56 +141,6 @@ class ShareBuilder {
         return 0;
     }
 
-    /// Whether the primitives are there of all groups of a share that have not been built.
-    bool has_primitives(const ShareRecord<A, P>& share, const ShareFiles& files, const Tree& tree, std::size_t begin,
-                        std::size_t end) const {
-        std::error_code error;
-        if (!std::filesystem::exists(files.scattered(), error)) return false;
-        FileInPlace in(files.scattered(), /*is_new=*/false);
-        std::vector<P> primitives;
-        std::uint64_t first = 0;
-        std::size_t part = 0;
-        for (std::size_t g = begin; g < end; ++g) {
-            for (const std::uint32_t n : tree.group(g)) {
-                const auto count = std::size_t(tree.nodes()[n].items);
-                const std::uint64_t at = std::exchange(first, first + count);
-                const std::size_t number = part++;
-                if (g < begin + share.groups) continue;
-                primitives.resize(count);
-                if (number >= share.scattered.size() ||
-                    !in.reads_at(at * sizeof(P), std::as_writable_bytes(std::span(primitives))) ||
-                    sum_of_scattered(std::span<const P>(primitives), at) != share.scattered[number]) {
-                    return false;
-                }
-            }
-        }
-        return true;
-    }
-
-    /// Whether all pages are there that a share tells of, and whole.
-    bool has_pages(const ShareRecord<A, P>& share, const ShareFiles& files) {
-        std::error_code error;
-        build_.plan.page_bytes = share.plan.page_bytes;
-        if (build_.plan.page_bytes < sizeof(PageHeader) || !std::filesystem::exists(files.pages(), error)) return false;
-        if (share.pages == 0) return true;
-        if (std::filesystem::file_size(files.pages(), error) <
-            build_.offset_of(std::uint64_t(share.plan.top_pages) + share.pages)) {
-            return false;
-        }
-        FileInPlace in(files.pages(), /*is_new=*/false);
-        std::vector<std::byte> page(build_.plan.page_bytes);
-        for (std::uint32_t p = 0; p < share.pages; ++p) {
-            in.read_at(build_.offset_of(share.plan.top_pages + std::uint64_t(p)), page);
-            PageHeader header;
-            std::memcpy(&header, page.data(), sizeof header);
-            if (header.number != share.plan.top_pages + p || header.used_bytes > page.size() ||
-                header.used_bytes < sizeof header || header.checksum != checksum_of_page(page, header.used_bytes)) {
-                return false;
-            }
-        }
-        return true;
-    }
-
     /// Writes the pages of a group behind those that are there, and what they are into the journal. Calls forget(i, n)
     /// before the i-th of n pieces is written, for as much of what is of no use any more: the system then writes into
     /// the memory that it has just been given back, instead of memory that has never been touched, which takes several
@@ -237,7 +184,9 @@ class ShareBuilder {
         for (std::size_t g = begin; g < end; ++g) {
             for (const std::uint32_t n : tree.group(g)) all += counts.emplace_back(tree.nodes()[n].items);
         }
-        check_disk(all);
+        // No page is shared by two groups.
+        check_disk_room(build_.path, disk_bytes_of_build<P>(all) + (end - begin) * build_.plan.page_bytes,
+                        build_.options.most_disk_bytes);
         to.own_items.resize(std::size_t(tree.own_items()));
         std::vector<std::uint32_t> next_own;
         for (const TopNode& n : tree.nodes()) next_own.push_back(n.own_begin);
@@ -285,19 +234,6 @@ class ShareBuilder {
     [[noreturn]] static void refuse_other_stream() {
         fail<std::invalid_argument>(
             "farfield::build_pages: the stream gives other primitives than at first, or in another order");
-    }
-    /// "A disk that is full" is said before hours have gone by: the temporary file, and the pages.
-    void check_disk(std::uint64_t items) const {
-        std::error_code error;
-        std::filesystem::path folder = build_.path.parent_path();
-        if (folder.empty()) folder = ".";
-        const std::filesystem::space_info space = std::filesystem::space(folder, error);
-        const std::uint64_t needed = items * (sizeof(P) + sizeof(P) + sizeof(P) / 8);
-        if (!error && space.available < needed) {
-            refuse_file("build_pages", build_.path,
-                        "needs about " + std::to_string(needed >> 20) + " MiB, and the disk has " +
-                            std::to_string(space.available >> 20) + " left");
-        }
     }
 
     Build& build_;

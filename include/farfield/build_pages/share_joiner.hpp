@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "farfield/build_pages/build_journal.hpp"
+#include "farfield/build_pages/disk_room.hpp"
 #include "farfield/build_pages/file_in_place.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
@@ -63,6 +64,8 @@ class ShareJoiner {
             pages += s.pages;
         }
         if (parts.size() != tree.parts().size()) refuse_file("join_page_shares", build_.path, "parts are missing");
+        check_disk_room(build_.path, std::uint64_t(pages - shares[0].pages) * build_.plan.page_bytes,
+                        build_.options.most_disk_bytes);
         build_.plan.facts.root_has_stand_in = 1;
         UnitElsewhere root = parts[0].root;
         FileInPlace out(files[0].pages(), /*is_new=*/false);

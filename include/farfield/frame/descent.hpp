@@ -58,8 +58,10 @@ struct WithinTolerance {
 ///     enter(entered), leave(entered)                what lies between is in that hierarchy's coordinates
 ///     run(entered, subtree, first, end, law)        positions that lie in a subtree; law unset: draw one by one
 ///     stand_in(entered, subtree)                    the subtree's stand-in
-///     enter_instance(entered, position)             followed by enter() of what it holds; leave_instance(entered)
-///     hidden(entered, subtree) -> bool              whether it cannot be seen behind what came before
+///     stand_in_for_missing(entered, subtree, weight)  the same of a cell that is too near for it; as that, if not
+///     there enter_instance(entered, position)             followed by enter() of what it holds;
+///     leave_instance(entered) hidden(entered, subtree) -> bool              whether it cannot be seen behind what came
+///     before
 ///
 /// and, if it has `keeps_images`, where the approximation caches images, of cells that may have one:
 ///
@@ -156,7 +158,7 @@ class Descent {
             if (h.is_portal(portal) && is_hidden(v, subtree, h.items_below(portal))) return;
             if (!is_there(v, subtree)) {
                 ++stats_.cells_missing;
-                return draw_stand_in(v, subtree);
+                return draw_for_missing(v, subtree);
             }
         }
         const Node& node = h.nodes()[subtree.node];
@@ -353,10 +355,24 @@ class Descent {
     }
 
     template <class V>
-    void draw_stand_in(V& v, const Subtree& subtree) {
+    void count_stand_in(const V&, const Subtree& subtree) {
         ++stats_.approximations;
         ++stats_.approximations_by_level[std::min<int>(subtree.cell.depth, FrameStats::max_levels - 1)];
         stats_.touched_bytes += sizeof(typename V::hierarchy_type::stand_in_data);
+    }
+    /// What is missing may be as near as the eye.
+    template <class V>
+    void draw_for_missing(V& v, const Subtree& subtree) {
+        if constexpr (requires { sink_.stand_in_for_missing(v, subtree, items_.weight); }) {
+            count_stand_in(v, subtree);
+            sink_.stand_in_for_missing(v, subtree, items_.weight);
+        } else {
+            draw_stand_in(v, subtree);
+        }
+    }
+    template <class V>
+    void draw_stand_in(V& v, const Subtree& subtree) {
+        count_stand_in(v, subtree);
         if constexpr (requires { sink_.stand_in(v, subtree, items_.weight); }) {
             sink_.stand_in(v, subtree, items_.weight);
         } else {

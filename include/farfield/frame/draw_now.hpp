@@ -13,6 +13,7 @@
 
 #include "farfield/approximation.hpp"
 #include "farfield/drawables.hpp"
+#include "farfield/frame/contents_box.hpp"
 #include "farfield/frame/draw_queue.hpp"
 #include "farfield/frame/left_out_samples.hpp"
 #include "farfield/frame/selection.hpp"
@@ -79,6 +80,25 @@ class DrawNow {
         }
         const StandInSink<V> sink{*this, v, subtree, queue_.splat_limit_px(), weight};
         draw_stand_in(h.approximation_policy(), stand_in_drawn(h, subtree), h.pool(), subtree.cell, v.view, sink);
+    }
+    /// All of the picture is covered that its box may cover, as opaque as its contents are in there: a stand-in is made
+    /// to be small and seen from outside. A splat at a depth behind the eye would be a hole, and large ones of the
+    /// right area leave gaps beside one another.
+    template <class V>
+    void stand_in_for_missing(const V& v, const Subtree& subtree, float weight) {
+        using A = typename V::hierarchy_type::approximation_type;
+        if constexpr (R::facts.draws_splats && TellsContentsBox<A>) {
+            if (queue_.splat_limit_px() > 0) {
+                const auto& h = v.hierarchy;
+                const auto box =
+                    h.approximation_policy().contents_box(stand_in_drawn(h, subtree), subtree.cell, v.view);
+                if (const auto splat = splat_over(box, v.view)) {
+                    StandInSink<V>{*this, v, subtree, queue_.splat_limit_px(), weight}(*splat);
+                    return;
+                }
+            }
+        }
+        stand_in(v, subtree, weight);
     }
     template <class V>
     bool hidden(const V& v, const Subtree& subtree) {

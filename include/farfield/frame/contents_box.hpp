@@ -1,0 +1,67 @@
+// What is drawn of a cell whose contents are missing, however near it is and around the eye too: all of its box, as it
+// lies in the picture.
+#pragma once
+
+#include "farfield/settings.hpp"
+
+#include <cstddef>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+
+#include "farfield/approximation.hpp"
+#include "farfield/drawables.hpp"
+#include "farfield/view/local_view.hpp"
+
+namespace farfield::detail {
+
+/// A splat over all of the picture that the part of a box before the near plane may cover, as deep as the box reaches:
+/// what is known of the cells in it lies in front. Nothing if no part of it does, or if the view is no perspective.
+inline std::optional<Splat> splat_over(const ContentsBox& box, const LocalView& view) {
+    if (!view.is_perspective || !(box.opacity > 0)) return {};
+    const auto in_view = [&](glm::vec3 d) {
+        return glm::vec3(glm::dot(view.right, d), glm::dot(view.up, d), glm::dot(view.forward, d));
+    };
+    const glm::vec3 center = in_view(box.center - view.eye);
+    const glm::vec3 sides[3] = {in_view({box.half.x, 0, 0}), in_view({0, box.half.y, 0}), in_view({0, 0, box.half.z})};
+    const float nearest = view.near_depth,
+                farthest = center.z + glm::abs(sides[0].z) + glm::abs(sides[1].z) + glm::abs(sides[2].z);
+    if (!(farthest > nearest)) return {};
+
+    // Beyond the picture there is nothing to cover, and next to the eye there is no end of it.
+    const glm::vec2 whole(view.part.whole_width, view.part.whole_height);
+    const glm::vec2 most = whole / (view.focal_px * view.squeeze) * (1.0f + glm::abs(glm::vec2(view.whole_off_center)));
+    glm::vec2 low(std::numeric_limits<float>::infinity()), high(-low);
+    const auto add = [&](glm::vec3 p) {
+        const glm::vec2 at = glm::clamp(glm::vec2(p) / p.z, -most, most);
+        low = glm::min(low, at);
+        high = glm::max(high, at);
+    };
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        const auto at = [&](unsigned of) {
+            glm::vec3 p = center;
+            for (unsigned axis = 0; axis < 3; ++axis) p += of >> axis & 1 ? sides[axis] : -sides[axis];
+            return p;
+        };
+        const glm::vec3 p = at(corner);
+        if (p.z >= nearest) {
+            add(p);
+            continue;
+        }
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            const glm::vec3 q = at(corner ^ 1u << axis);
+            if (!(q.z > nearest)) continue;
+            const float t = (nearest - p.z) / (q.z - p.z);
+            add({glm::vec2(p) + t * (glm::vec2(q) - glm::vec2(p)), nearest});
+        }
+    }
+    const glm::vec2 middle = 0.5f * (low + high), size = high - low;
+    if (!(size.x > 0 && size.y > 0)) return {};
+    return Splat{view.eye + farthest * (view.forward + middle.x * view.right + middle.y * view.up), farthest * size,
+                 box.opacity, box.rgb};
+}
+
+}  // namespace farfield::detail
