@@ -28,7 +28,7 @@ while(TRUE)
 endwhile()
 
 if(QUICKSTART)
-  execute_process(COMMAND "${QUICKSTART}" OUTPUT_VARIABLE output RESULT_VARIABLE status)
+  execute_process(COMMAND ${EMULATOR} "${QUICKSTART}" OUTPUT_VARIABLE output RESULT_VARIABLE status)
   if(NOT status EQUAL 0)
     message(FATAL_ERROR "the quick start ended with ${status}")
   endif()

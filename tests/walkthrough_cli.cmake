@@ -5,7 +5,7 @@ cmake_minimum_required(VERSION 3.22)
 
 function(expect_refusal)
   execute_process(
-    COMMAND "${WALKTHROUGH}" ${ARGN}
+    COMMAND ${EMULATOR} "${WALKTHROUGH}" ${ARGN}
     RESULT_VARIABLE status
     OUTPUT_VARIABLE out
     ERROR_VARIABLE err)
@@ -18,7 +18,7 @@ endfunction()
 
 function(expect_success out_variable)
   execute_process(
-    COMMAND "${WALKTHROUGH}" ${ARGN}
+    COMMAND ${EMULATOR} "${WALKTHROUGH}" ${ARGN}
     RESULT_VARIABLE status
     OUTPUT_VARIABLE out
     ERROR_VARIABLE err)
@@ -98,7 +98,7 @@ foreach(scene IN ITEMS wall line)
     expect_success(table --scene "${DIRECTORY}/${scene}.obj" --variant exact --size 40x30 --frames 9 ${view})
   endforeach()
 endforeach()
-execute_process(COMMAND "${WALKTHROUGH}" --scene "${DIRECTORY}/too_wide.off" --variant exact RESULT_VARIABLE status ERROR_VARIABLE err)
+execute_process(COMMAND ${EMULATOR} "${WALKTHROUGH}" --scene "${DIRECTORY}/too_wide.off" --variant exact RESULT_VARIABLE status ERROR_VARIABLE err)
 if(NOT status EQUAL 2 OR NOT err MATCHES "walkthrough: [^\n]*too_wide.off[^\n]*\n$")
   message(SEND_ERROR "a scene too wide for single precision: status ${status}, ${err}")
 endif()
@@ -232,13 +232,13 @@ if(NOT error_table_1 STREQUAL error_table_2 OR NOT wanted_table_1 STREQUAL wante
   message(SEND_ERROR "the second run should choose from the first one's tables:\n${error_table_1}\n${error_table_2}")
 endif()
 file(COPY_FILE "${kept}.errors" "${tables}/cube_opacity-tensor_z-buffer_1.errors")
-execute_process(COMMAND "${WALKTHROUGH}" --scene cube --variant opacity-tensor --distance 20 --size 40x30 --frames 1 --tables "${tables}"
+execute_process(COMMAND ${EMULATOR} "${WALKTHROUGH}" --scene cube --variant opacity-tensor --distance 20 --size 40x30 --frames 1 --tables "${tables}"
                 RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
 if(NOT status EQUAL 2 OR NOT out STREQUAL "" OR NOT err MATCHES "cube_opacity-tensor_z-buffer_1.errors:3: [^\n]*another hierarchy")
   message(SEND_ERROR "a table of another scene should be refused by name: ${status}, ${out}${err}")
 endif()
 file(WRITE "${kept}_wanted.errors" "nonsense\n")
-execute_process(COMMAND "${WALKTHROUGH}" --scene tree --variant opacity-tensor --distance 20 --size 40x30 --frames 1 --tables "${tables}"
+execute_process(COMMAND ${EMULATOR} "${WALKTHROUGH}" --scene tree --variant opacity-tensor --distance 20 --size 40x30 --frames 1 --tables "${tables}"
                 RESULT_VARIABLE status ERROR_VARIABLE err)
 if(NOT status EQUAL 2 OR NOT err MATCHES "tree_opacity-tensor_z-buffer_1_wanted.errors:1: ")
   message(SEND_ERROR "what is no table should be refused with its line: ${status}, ${err}")
@@ -270,7 +270,7 @@ if(NOT chosen_1 EQUAL chosen_2 OR NOT EXISTS "${tables}/tree_opacity-tensor_z-bu
   message(SEND_ERROR "a kept table should choose ${chosen_1} samples again, not ${chosen_2}")
 endif()
 file(COPY_FILE "${kept}.errors" "${tables}/tree_opacity-tensor_z-buffer_4.errors")
-execute_process(COMMAND "${WALKTHROUGH}" --scene tree --variant opacity-tensor --distance 6 --size 40x30 --frames 1
+execute_process(COMMAND ${EMULATOR} "${WALKTHROUGH}" --scene tree --variant opacity-tensor --distance 6 --size 40x30 --frames 1
                         --samples 4 --tables "${tables}"
                 RESULT_VARIABLE status ERROR_VARIABLE err)
 if(NOT status EQUAL 2 OR NOT err MATCHES "_4.errors: it is of other numbers of samples")
@@ -393,7 +393,7 @@ endforeach()
 
 # Instances that no plane tells apart are not in strict order, which shows when they have been built.
 execute_process(
-  COMMAND "${WALKTHROUGH}" --scene building --renderer painter --variant bsp --size 20x20 --frames 1
+  COMMAND ${EMULATOR} "${WALKTHROUGH}" --scene building --renderer painter --variant bsp --size 20x20 --frames 1
   RESULT_VARIABLE status
   OUTPUT_VARIABLE out
   ERROR_VARIABLE err)

@@ -101,9 +101,15 @@ inline glm::mat3 matrix_of(glm::vec4 q) {
 
 inline glm::vec3 GaussianSplat::reach() const {
     const glm::mat3 m = matrix_of(rotation);
+    const float largest = std::max(scale.x, std::max(scale.y, scale.z));
+    if (!(largest > 0)) return glm::vec3(0);
+    // Squares of lengths that single precision holds may lie beyond it.
     glm::vec3 squares(0);
-    for (int i = 0; i < 3; ++i) squares += m[i] * m[i] * (scale[i] * scale[i]);
-    return 3.0f * glm::sqrt(squares);
+    for (int i = 0; i < 3; ++i) {
+        const glm::vec3 along = m[i] * (scale[i] / largest);
+        squares += along * along;
+    }
+    return 3.0f * largest * glm::sqrt(squares);
 }
 
 struct GaussianOptions {

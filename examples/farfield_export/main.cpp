@@ -135,6 +135,8 @@ bool is_page_file(const std::filesystem::path& path) {
 
 void run(const Request& request) {
     std::filesystem::create_directories(request.folder);
+    // It is written last: where there is one, all that it names is there, and of one scene.
+    std::filesystem::remove(request.folder / "tileset.json");
     if (is_page_file(request.scene)) {
         if (request.draws) throw std::invalid_argument("--pictures are drawn of scenes in memory, not of pages");
         const bool known = farfield::scenes::any_paged_variant(

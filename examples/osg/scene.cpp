@@ -1,5 +1,6 @@
 #include "scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <osg/AutoTransform>
@@ -24,6 +25,25 @@ struct Corners {
     void operator()(unsigned a, unsigned b, unsigned c) { triangles.push_back({a, b, c}); }
 };
 
+[[noreturn]] void refuse(const std::string& path, const std::string& why) {
+    throw std::invalid_argument("far_osg: " + path + ": " + why);
+}
+
+/// The library refuses what single precision cannot hold, and knows no nodes.
+template <class Build>
+Hierarchy built(const std::string& path, Build&& build) {
+    try {
+        return build();
+    } catch (const std::invalid_argument& error) {
+        refuse(path, error.what());
+    }
+}
+
+bool is_finite(const Mesh& mesh, std::uint32_t vertex) {
+    const glm::dvec3 v = mesh.vertex(vertex);
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 bool is_affine(const osg::Matrixd& m) {
     for (int row = 0; row < 4; ++row) {
         for (int column = 0; column < 4; ++column) {
@@ -45,21 +65,54 @@ class Scene::Reader {
         if (known == nullptr) {
             known = &scene_.bodies_.emplace_back();
             Body& body = *known;  // the map may grow
+            path_.push_back(&node);
+            body.path = path();
+            path_.pop_back();
             read(node, osg::Matrixd(), states, body);
-            body.hierarchy = farfield::build_in_place<Hierarchy>(body.triangles, {.executor = executor_});
+            body.hierarchy = built(body.path, [&] {
+                return farfield::build_in_place<Hierarchy>(body.triangles, {.executor = executor_});
+            });
             return body;
         }
         return *known;
     }
 
+    /// How often what has several parents is placed below a node. To be asked first: it ends where reading would not.
+    std::uint64_t placements(osg::Node& node) {
+        osg::Group* group = node.asGroup();
+        if (group == nullptr || node.getNodeMask() == 0) return 0;
+        const auto known = placements_.find(&node);
+        if (known != placements_.end()) return known->second;
+        path_.push_back(&node);
+        std::uint64_t sum = 0;
+        for_each_child(*group, [&](osg::Node& child) {
+            if (std::find(path_.begin(), path_.end(), &child) != path_.end()) refuse("it lies below its own child");
+            sum += placements(child) + (child.getNumParents() > 1);
+            if (sum > most_placements)
+                refuse("what lies below it is placed more than " + std::to_string(most_placements) + " times");
+        });
+        path_.pop_back();
+        if (node.getNumParents() > 1) placements_[&node] = sum;
+        return sum;
+    }
+
   private:
-    [[noreturn]] void refuse(const std::string& why) const {
+    std::string path() const {
         std::string path;
         for (const osg::Node* node : path_) {
             path += std::string(path.empty() ? "" : " > ") + node->libraryName() + "::" + node->className();
             if (!node->getName().empty()) path += " '" + node->getName() + "'";
         }
-        throw std::invalid_argument("far_osg: " + path + ": " + why);
+        return path;
+    }
+    [[noreturn]] void refuse(const std::string& why) const { far_osg::refuse(path(), why); }
+
+    template <class F>
+    static void for_each_child(osg::Group& group, F&& f) {
+        const osg::Switch* chosen = group.asSwitch();
+        for (unsigned i = 0; i < group.getNumChildren(); ++i) {
+            if (chosen == nullptr || chosen->getValue(i)) f(*group.getChild(i));
+        }
     }
 
     void read(osg::Node& node, osg::Matrixd to_body, States states, Body& body) {
@@ -87,16 +140,13 @@ class Scene::Reader {
                 if (!is_affine(own)) refuse("its matrix is not affine and finite");
                 to_body = own * to_body;
             }
-            const osg::Switch* chosen = node.asSwitch();
-            for (unsigned i = 0; i < group->getNumChildren(); ++i) {
-                osg::Node& child = *group->getChild(i);
-                if (chosen != nullptr && !chosen->getValue(i)) continue;
+            for_each_child(*group, [&](osg::Node& child) {
                 if (child.getNumParents() > 1) {
                     body.parts.push_back({&this->body(child, states), to_body});
                 } else {
                     read(child, to_body, states, body);
                 }
-            }
+            });
         }
         path_.pop_back();
     }
@@ -110,20 +160,24 @@ class Scene::Reader {
     }
 
     void add(const osg::Geometry& geometry, const osg::Matrixd& to_body, const States& states, Body& body) {
+        const osg::Array *vertices = geometry.getVertexArray(), *colors = geometry.getColorArray();
+        const unsigned count = vertices == nullptr ? 0 : vertices->getNumElements();
         Corners corners;
         for (const auto& set : geometry.getPrimitiveSetList()) {
             if (set->getMode() < GL_TRIANGLES || set->getMode() > GL_POLYGON)
                 refuse("its primitives are not all triangles, quadrangles or polygons");
             if (set->getNumInstances() > 0) refuse("its primitives are instanced by a shader");
+            // Without indices none is drawn twice: what claims to have billions is not even counted out.
+            if (set->getDrawElements() == nullptr && set->getNumIndices() > count)
+                refuse("it draws " + std::to_string(set->getNumIndices()) + " of " + std::to_string(count) +
+                       " vertices");
             osg::TriangleIndexFunctor<Corners> of_set;
             set->accept(of_set);
             corners.triangles.insert(corners.triangles.end(), of_set.triangles.begin(), of_set.triangles.end());
         }
         if (corners.triangles.empty()) return;
-        const osg::Array *vertices = geometry.getVertexArray(), *colors = geometry.getColorArray();
         if (vertices == nullptr || vertices->getType() != osg::Array::Vec3ArrayType)
             refuse("its vertices must be an osg::Vec3Array");
-        const unsigned count = vertices->getNumElements();
         if (colors != nullptr && colors->getNumElements() != 0) {
             if (colors->getType() != osg::Array::Vec4ArrayType && colors->getType() != osg::Array::Vec4ubArrayType)
                 refuse("its colors must be an osg::Vec4Array or an osg::Vec4ubArray");
@@ -140,8 +194,7 @@ class Scene::Reader {
             for (const std::uint32_t i : corner) {
                 if (i >= count)
                     refuse("an index is " + std::to_string(i) + ", of " + std::to_string(count) + " vertices");
-                const glm::dvec3 v = mesh.vertex(i);
-                if (!std::isfinite(v.x + v.y + v.z)) refuse("vertex " + std::to_string(i) + " is not finite");
+                if (!is_finite(mesh, i)) refuse("vertex " + std::to_string(i) + " is not finite");
             }
             body.triangles.push_back({&mesh, corner});
         }
@@ -150,12 +203,15 @@ class Scene::Reader {
     Scene& scene_;
     farfield::AnyExecutor executor_{farfield::ThreadExecutor()};
     std::vector<const osg::Node*> path_;
+    std::map<const osg::Node*, std::uint64_t> placements_;  ///< below what has several parents
 };
 
 Scene::Scene(osg::Node& root) : root_(&root) {
-    Body& all = Reader(*this).body(root, {});
+    Reader reader(*this);
+    reader.placements(root);
+    Body& all = reader.body(root, {});
     place(all, osg::Matrixd());
-    hierarchy_ = farfield::build<Hierarchy>(placements_);
+    hierarchy_ = built(all.path, [&] { return farfield::build<Hierarchy>(placements_); });
 }
 
 void Scene::place(Body& body, const osg::Matrixd& to_world) {
@@ -171,8 +227,14 @@ void Scene::place(Body& body, const osg::Matrixd& to_world) {
             stretched.meshes.back().to_body = mesh.to_body * to_world;
         }
         stretched.triangles = body.triangles;
-        for (MeshTriangle& t : stretched.triangles) t.mesh = &stretched.meshes[t.mesh->number];
-        stretched.hierarchy = farfield::build_in_place<Hierarchy>(stretched.triangles);
+        for (MeshTriangle& t : stretched.triangles) {
+            t.mesh = &stretched.meshes[t.mesh->number];
+            for (const std::uint32_t i : t.corners) {
+                if (!is_finite(*t.mesh, i)) refuse(body.path, "where it is placed a vertex is not finite");
+            }
+        }
+        stretched.hierarchy =
+            built(body.path, [&] { return farfield::build_in_place<Hierarchy>(stretched.triangles); });
         placements_.push_back({&stretched.hierarchy, stretched.triangles, farfield::Similarity()});
     }
 }

@@ -1,11 +1,13 @@
 // A scene graph as hierarchies: what has several parents is a body that is placed several times.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <glm/vec3.hpp>
 #include <map>
 #include <osg/BoundingBox>
 #include <osg/Node>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -28,9 +30,13 @@ using Placement = farfield::Instance<Hierarchy, MeshTriangle>;
 /// instance; where it is mirrored, sheared or stretched it gets handles and stand-ins of its own, but no vertices.
 class Scene {
   public:
+    static constexpr std::uint64_t most_placements = std::uint64_t(1) << 26;
+
     /// Throws std::invalid_argument, which names the node by its path, for what would look otherwise: a node that the
     /// eye chooses for or turns, a texture, a shader, blending, lights that are switched on; a drawable that is no
-    /// osg::Geometry; primitives that are no triangles; vertices or colors of another type, or that are missing.
+    /// osg::Geometry; primitives that are no triangles; vertices or colors of another type, or that are missing. And
+    /// for what has no end: a node below itself, parts of parts that come to more than `most_placements`, places that
+    /// are not finite in single precision.
     explicit Scene(osg::Node& root);
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;
@@ -42,6 +48,7 @@ class Scene {
 
   private:
     struct Body {
+        std::string path{};  ///< of the node, as it was found first
         std::deque<Mesh> meshes{};
         std::vector<MeshTriangle> triangles{};
         Hierarchy hierarchy{};

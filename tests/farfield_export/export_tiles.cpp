@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <glm/geometric.hpp>
 #include <map>
 #include <random>
@@ -85,7 +86,8 @@ void check_contains(const BoxD& box, const glm::dvec3& p, double tolerance) {
 }
 
 /// The rules that every tileset keeps, and that leaves of the tree together, or all of it, hold every triangle once.
-void check_rules(const Files& files, const std::vector<PagedPrimitive>& primitives, bool adds) {
+void check_rules(const Files& files, const std::vector<PagedPrimitive>& primitives, bool adds,
+                 std::size_t least_contents = 21) {
     const ReadTile root = read_tileset(files);
     std::vector<Corners> found;
     std::size_t contents = 0;
@@ -116,7 +118,7 @@ void check_rules(const Files& files, const std::vector<PagedPrimitive>& primitiv
     std::size_t glbs = 0;
     for (const auto& [name, bytes] : files) glbs += name.ends_with(".glb");
     CHECK(contents == glbs);
-    CHECK(contents > 20);
+    CHECK(contents >= least_contents);
 }
 
 constexpr std::size_t small_tile = 200;
@@ -250,4 +252,56 @@ TEST_CASE("what is empty is refused, and what is degenerate is exported") {
                                          ExportOptions{.tile_size = size});
         CHECK(report.triangles == 1000);
     }
+}
+
+TEMPLATE_TEST_CASE("scenes of any size, and one triangle, are exported by the same rules", "", Tensors, Cubes,
+                   Samples) {
+    constexpr bool adds = TestType::approximation_type::facts.samples_primitives;
+    for (const float size : {0x1p-80f, 0x1p80f}) {
+        auto primitives = leaves(3000);
+        for (PagedPrimitive& p : primitives) {
+            for (glm::vec3& v : p.vertices) v *= size;
+        }
+        const auto hierarchy = farfield::build_in_place<TestType>(primitives, {});
+        Files files;
+        export_tiles(hierarchy, primitives, into(files), {.tile_size = 100, .sample_levels = 2});
+        check_rules(files, primitives, adds, 10);
+    }
+    std::vector<PagedPrimitive> one(1, leaves(1)[0]);
+    for (const ExportOptions& options : {ExportOptions{}, ExportOptions{.tile_size = 0, .sample_levels = 0}}) {
+        Files files;
+        CHECK(export_tiles(farfield::build<TestType>(one), one, into(files), options).triangles == 1);
+        check_rules(files, one, adds, 1);
+    }
+}
+
+TEMPLATE_TEST_CASE("pages that are empty or go missing end an export with a reason", "", Tensors, Cubes, Samples) {
+    const farfield::test::TemporaryDirectory directory;
+    const auto path = directory.path() / "leaves.farfield";
+    Files files;
+    std::vector<PagedPrimitive> primitives;
+    farfield::save_pages(farfield::build<TestType>(primitives), primitives, path);
+    {
+        auto pages = farfield::open_pages<TestType, PagedPrimitive>(path);
+        CHECK_THROWS_AS(export_tiles(pages, into(files)), std::invalid_argument);
+    }
+    primitives = leaves(12000);
+    const auto hierarchy = farfield::build_in_place<TestType>(primitives, {});
+    farfield::save_pages(hierarchy, primitives, path, {.page_bytes = 8192});
+    farfield::PageCacheOptions cache;
+    cache.most_bytes = 48 * 8192;
+    const auto size = std::filesystem::file_size(path);
+    auto pages = farfield::open_pages<TestType, PagedPrimitive>(path, cache);
+    std::filesystem::resize_file(path, size / 2);
+    try {
+        export_tiles(pages, into(files), {.tile_size = small_tile, .sample_levels = 2});
+        FAIL("half of the pages were exported as all");
+    } catch (const std::runtime_error& error) {
+        const std::string said = error.what();
+        INFO(said);
+        CHECK(said.find("a page is missing") != std::string::npos);
+        CHECK(said.find("leaves.farfield") != std::string::npos);
+    }
+    CHECK(!files.contains("tileset.json"));
+    CHECK_THROWS_AS((farfield::open_pages<TestType, PagedPrimitive>(path, cache)), std::runtime_error);
 }

@@ -11,6 +11,7 @@
 #include <osg/Texture2D>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "catch.hpp"
 #include "graphs.hpp"
@@ -106,6 +107,74 @@ TEST_CASE("geometry without normals, colors or anything at all is taken") {
     CHECK(scene.placements().empty());
 }
 
+TEST_CASE("triangles without an area, and transforms that leave none, are taken and bounded as they lie") {
+    const osg::ref_ptr<osg::Geometry> point = leaf(), shared = leaf();
+    static_cast<osg::Vec3Array&>(*point->getVertexArray()).assign(4, osg::Vec3(3, 4, 5));
+    osg::ref_ptr<osg::Group> root = new osg::Group;
+    root->addChild(point);
+    root->addChild(placed(*shared, osg::Matrixd::scale(0, 1, 1)));
+    root->addChild(placed(*shared, osg::Matrixd::scale(0, 0, 0) * osg::Matrixd::translate(-1, 0, 0)));
+    const Scene scene(*root);
+    CHECK(scene.placements().size() == 3);
+    CHECK(scene.bounds() == osg::BoundingBox(-1, 0, 0, 3, 4, 5));
+}
+
+TEST_CASE("what lies below itself is refused, and so are parts of parts that come to more than there is room for") {
+    osg::ref_ptr<osg::Group> loop = new osg::Group, in_it = new osg::Group;
+    loop->addChild(leaf());
+    loop->addChild(in_it);
+    in_it->addChild(loop);
+    check_refused(*loop, "below its own child");
+    in_it->removeChild(loop);
+    CHECK(refusal(*loop).empty());
+
+    // Two of two of two, and so on: 2^20 of them can be had, 2^40 cannot.
+    osg::ref_ptr<osg::Node> part = leaf();
+    for (int level = 1; level <= 40; ++level) {
+        osg::ref_ptr<osg::Group> two = new osg::Group;
+        for (const double side : {0.0, 1.0}) two->addChild(placed(*part, osg::Matrixd::translate(side * level, 0, 0)));
+        part = two;
+        if (level == 12) CHECK(Scene(*part).placements().size() == 4096);
+    }
+    check_refused(*part, "placed more than");
+    // The same, where each has a state of its own.
+    part = leaf();
+    for (int level = 1; level <= 40; ++level) {
+        osg::ref_ptr<osg::Group> two = new osg::Group;
+        for (int side = 0; side < 2; ++side) {
+            osg::ref_ptr<osg::Group> own = new osg::Group;
+            own->getOrCreateStateSet();
+            own->addChild(part);
+            two->addChild(own);
+        }
+        part = two;
+    }
+    check_refused(*part, "placed more than");
+}
+
+TEST_CASE("places that single precision does not reach are refused, and the node named") {
+    const osg::ref_ptr<osg::Geometry> shared = leaf();
+    shared->setName("the culprit");
+    osg::ref_ptr<osg::Group> root = new osg::Group;
+    root->addChild(shared);
+    const auto said_of = [&](const osg::Matrixd& outer, const osg::Matrixd& inner) {
+        osg::ref_ptr<osg::MatrixTransform> out = new osg::MatrixTransform(outer);
+        out->addChild(placed(*shared, inner));
+        root->addChild(out);
+        const std::string said = refusal(*root);
+        root->removeChild(out);
+        return said;
+    };
+    const osg::Matrixd wide = osg::Matrixd::scale(1e200, 1e200, 1e200), stretched = osg::Matrixd::scale(1e200, 1, 1);
+    for (const auto& [outer, inner] :
+         {std::pair{wide, wide}, std::pair{stretched, stretched}, std::pair{stretched, osg::Matrixd()}}) {
+        const std::string said = said_of(outer, inner);
+        INFO(said);
+        CHECK(said.find("'the culprit'") != std::string::npos);
+    }
+    CHECK(said_of(osg::Matrixd(), osg::Matrixd()).empty());
+}
+
 TEST_CASE("strips, fans and quadrangles are triangles") {
     const osg::ref_ptr<osg::Geometry> geometry = leaf();
     geometry->removePrimitiveSet(0);
@@ -166,6 +235,10 @@ TEST_CASE("what stand-ins cannot show is refused, and the node named") {
     check_refused(*with([](auto& g) { g.setColorArray(new osg::Vec4Array(2), osg::Array::BIND_PER_VERTEX); }),
                   "colors");
     check_refused(*with([](auto& g) { g.setPrimitiveSet(0, new osg::DrawArrays(GL_QUADS, 4, 4)); }), "index");
+    check_refused(*with([](auto& g) { g.setPrimitiveSet(0, new osg::DrawArrays(GL_TRIANGLES, 0, 2000000000)); }),
+                  "draws 2000000000 of 4");
+    check_refused(*with([](auto& g) { g.setPrimitiveSet(0, new osg::DrawArrays(GL_TRIANGLES, 0, -3)); }), "draws");
+    check_refused(*with([](auto& g) { g.setVertexArray(nullptr); }), "Vec3Array");
     check_refused(*with([](auto& g) {
         static_cast<osg::Vec3Array&>(*g.getVertexArray())[2].y() = std::numeric_limits<float>::quiet_NaN();
     }),
