@@ -169,7 +169,8 @@ TEST_CASE("OpenGL deposits by the area law", "[opengl]") {
     gl.check_clean();
 }
 
-TEST_CASE("OpenGL is sent splats that the processor makes for a camera that moves, and nothing for a still one", "[opengl]") {
+TEST_CASE("OpenGL is sent splats that the processor makes for a camera that moves, and nothing for a still one",
+          "[opengl]") {
     OpenGl gl;
     if (!gl) return;
     {
