@@ -58,10 +58,9 @@ struct WithinTolerance {
 ///     enter(entered), leave(entered)                what lies between is in that hierarchy's coordinates
 ///     run(entered, subtree, first, end, law)        positions that lie in a subtree; law unset: draw one by one
 ///     stand_in(entered, subtree)                    the subtree's stand-in
-///     stand_in_for_missing(entered, subtree, weight)  the same of a cell that is too near for it; as that, if not
-///     there enter_instance(entered, position)             followed by enter() of what it holds;
-///     leave_instance(entered) hidden(entered, subtree) -> bool              whether it cannot be seen behind what came
-///     before
+///     stand_in_for_missing(entered, subtree, weight)   likewise, of a cell whose contents are missing, however near
+///     enter_instance(entered, position)             followed by enter() of what it holds; leave_instance(entered)
+///     hidden(entered, subtree) -> bool              whether it cannot be seen behind what came before
 ///
 /// and, if it has `keeps_images`, where the approximation caches images, of cells that may have one:
 ///
