@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -59,13 +60,13 @@ class Display {
     bool answers_soon() {
         process_ = fork();
         if (process_ == 0) {
+            prctl(PR_SET_PDEATHSIG, SIGTERM);  // however this program ends
             const int said = ::open((directory_ / "said").c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0644);
             dup2(said, STDOUT_FILENO);
             dup2(said, STDERR_FILENO);
-            // Ten minutes, should this program end before the server does. It must not end with its last client: the
-            // next one is the same test's.
-            execlp("timeout", "timeout", "600", "Xvfb", name().c_str(), "-screen", "0", "1280x1024x24", "-noreset",
-                   "-nolisten", "tcp", "-nolisten", "local", static_cast<char*>(nullptr));
+            // It must not end with its last client: the next one is the same test's.
+            execlp("Xvfb", "Xvfb", name().c_str(), "-screen", "0", "1280x1024x24", "-noreset", "-nolisten", "tcp",
+                   "-nolisten", "local", static_cast<char*>(nullptr));
             _exit(127);
         }
         for (int i = 0; process_ > 0 && i < 600; ++i) {
