@@ -11,7 +11,7 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
+#include <cstddef>
 #include <cstdlib>
 #include <memory>
 #include <stdexcept>
@@ -66,7 +66,7 @@ class Display {
             dup2(said, STDERR_FILENO);
             // It must not end with its last client: the next one is the same test's.
             execlp("Xvfb", "Xvfb", name().c_str(), "-screen", "0", "1280x1024x24", "-noreset", "-nolisten", "tcp",
-                   "-nolisten", "local", static_cast<char*>(nullptr));
+                   static_cast<char*>(nullptr));
             _exit(127);
         }
         for (int i = 0; process_ > 0 && i < 600; ++i) {
@@ -77,15 +77,21 @@ class Display {
         return false;
     }
 
-    /// As a client begins: the least that may be asked, which a server either grants (1) or not.
+    /// As a client begins: the least that may be asked, which a server either grants (1) or not. By a socket in the
+    /// file system or, where the server may not make one there, by its abstract name.
     bool answers() const {
+        const std::string path = "/tmp/.X11-unix/X" + std::to_string(number_);
+        return answers_at(path) || answers_at(std::string(1, 0) + path);
+    }
+    static bool answers_at(const std::string& path) {
         const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
         sockaddr_un address{};
         address.sun_family = AF_UNIX;
-        std::snprintf(address.sun_path, sizeof address.sun_path, "/tmp/.X11-unix/X%d", number_);
+        path.copy(address.sun_path, sizeof address.sun_path - 1);
+        const auto size = socklen_t(offsetof(sockaddr_un, sun_path) + path.size());
         const std::array<char, 12> hello{'l', 0, 11};
         char granted = 0;
-        const bool did = connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+        const bool did = connect(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
                          send(socket, hello.data(), hello.size(), MSG_NOSIGNAL) == ssize_t(hello.size()) &&
                          recv(socket, &granted, 1, 0) == 1;
         close(socket);
