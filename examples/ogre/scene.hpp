@@ -30,7 +30,8 @@ class Scene {
   public:
     /// Throws std::invalid_argument, which names the node and the object, for what would look otherwise: an object that
     /// is no entity, one that is animated, a texture, lights, blending, several passes; primitives that are no
-    /// triangles, vertices of another type than float, colors of another than bytes.
+    /// triangles, vertices of another type than float, colors of another than bytes. So it is for vertices that are not
+    /// finite, or that no buffer has.
     explicit Scene(const Ogre::SceneNode& root);
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -178,4 +179,41 @@ TEST_CASE("what stand-ins in Ogre cannot show is refused, and node and object na
     check_refused(of_mesh([](Ogre::SubMesh& part) { part.operationType = Ogre::RenderOperation::OT_LINE_LIST; }),
                   "triangles");
     check_refused(of_mesh([](Ogre::SubMesh& part) { part.vertexData->vertexCount = 3; }), "an index is 3, of 3");
+    check_refused(of_mesh([](Ogre::SubMesh& part) { part.vertexData->vertexStart = 1; }), "ends before they do");
+    check_refused(of_mesh([](Ogre::SubMesh& part) { part.indexData->indexStart = 1; }), "ends before they do");
+    check_refused(of_mesh([](Ogre::SubMesh& part) { part.indexData->indexBuffer.reset(); }), "is missing");
+    check_refused(of_mesh([](Ogre::SubMesh& part) { part.vertexData->vertexBufferBinding->unsetBinding(0); }),
+                  "a buffer of its vertices is missing");
+    for (const std::size_t corner : {0, 1, 2}) {
+        const float nan = std::numeric_limits<float>::quiet_NaN();
+        check_refused(of_mesh([&](Ogre::SubMesh& part) {
+                          part.vertexData->vertexBufferBinding->getBuffer(0)->writeData(16 * corner + 4, 4, &nan);
+                      }),
+                      "vertex " + std::to_string(corner) + " is not finite");
+    }
+}
+
+TEST_CASE("in Ogre what is empty or has no area is taken, and places that there are not are refused") {
+    if (!starts_unseen()) return;
+    Ogre::SceneManager& manager = *Ogre::Root::getSingleton().createSceneManager();
+    Ogre::SceneNode& root = *manager.createSceneNode("the root");
+    CHECK(refusal(root).empty());
+    const auto add = [&](const Ogre::MeshPtr& mesh, const Ogre::Vector3& scale) {
+        Ogre::SceneNode& node = *root.createChildSceneNode();
+        node.setScale(scale);
+        node.attachObject(manager.createEntity(mesh));
+    };
+    const Ogre::MeshPtr nothing = card();
+    nothing->getSubMesh(0)->vertexData->vertexCount = 0;
+    nothing->getSubMesh(0)->indexData->indexCount = 0;
+    add(nothing, Ogre::Vector3(1));
+    CHECK(Scene(root).placements().empty());
+    add(mesh_of("a point", {{{2, 3, 4}, {2, 3, 4}, {2, 3, 4}}, {{}, {}, {}}, {0, 1, 2}}), Ogre::Vector3(1));
+    const Ogre::MeshPtr mesh = card();
+    for (const Ogre::Vector3& scale : {Ogre::Vector3(0, 1, 1), Ogre::Vector3(0, 0, 0)}) add(mesh, scale);
+    CHECK(Scene(root).placements().size() == 3);
+    add(mesh, Ogre::Vector3(3e38f, 1, 1));
+    CHECK(refusal(root).find("overflow") != std::string::npos);
+    root.setScale(0, 1, 1);
+    CHECK(refusal(root).find("node 'the root'") != std::string::npos);
 }
