@@ -30,17 +30,14 @@ Square square(float x, float y, float side, Loss loss) {
     return {x - side / 2, y - side / 2, x + side / 2, y + side / 2, loss};
 }
 
-/// As FarSamples without its roundings, with so many lanes along a side.
+/// As FarSamples without its roundings.
 struct Model {
-    int width, height, side;
+    static constexpr int side = lanes::side;
+    int width, height;
     std::vector<double> t, color;
 
-    Model(int w, int h, int lanes_a_side = lanes::side)
-        : width(w),
-          height(h),
-          side(lanes_a_side),
-          t(std::size_t(w * h * side * side), 1.0),
-          color(std::size_t(w * h), 0.0) {}
+    Model(int w, int h)
+        : width(w), height(h), t(std::size_t(w * h * side * side), 1.0), color(std::size_t(w * h), 0.0) {}
 
     double& lane(int x, int y) { return t[std::size_t(y * width * side + x)]; }
     double transmittance(int x, int y) {
@@ -48,7 +45,7 @@ struct Model {
         for (int i = 0; i < side * side; ++i) sum += lane(x * side + i % side, y * side + i / side);
         return sum / (side * side);
     }
-    double overlap(double begin, double end, int at) const {
+    static double overlap(double begin, double end, int at) {
         return std::clamp(end * side - at, 0.0, 1.0) - std::clamp(begin * side - at, 0.0, 1.0);
     }
     void deposit(const Square& s) {
@@ -75,8 +72,8 @@ struct Canvas {
     std::vector<float> depth;
     FarSamples far;
 
-    Canvas(int w, int h, bool keeps_lanes = true) : width(w), height(h), depth(std::size_t(w * h), -infinity) {
-        far.resize(w, h, keeps_lanes);
+    Canvas(int w, int h) : width(w), height(h), depth(std::size_t(w * h), -infinity) {
+        far.resize(w, h);
         far.begin();
     }
     /// What FarSamples asks of SampleBlocks.
@@ -123,14 +120,13 @@ bool same(const FarSamples::Sample& a, const FarSamples::Sample& b) {
 
 }  // namespace
 
-TEST_CASE("squares of any place and size leave what exact transmittances do, sixteen or one a sample", "[raster]") {
-    const bool keeps_lanes = GENERATE(true, false);
+TEST_CASE("squares of any place and size leave what sixteen exact transmittances a sample do", "[raster]") {
     Random random(60);
     for (int round = 0; round < 60; ++round) {
         const AreaLaw law = laws[round % 3];
         const int width = 5 + round % 4, height = 7;
-        Canvas canvas(width, height, keeps_lanes);
-        Model model(width, height, keeps_lanes ? lanes::side : 1);
+        Canvas canvas(width, height);
+        Model model(width, height);
         const float largest = round % 2 ? 2.0f : 6.0f;
         for (int i = 0; i < 150; ++i) {
             const float alpha = random.unit(), side = largest * random.unit() * random.unit();
@@ -152,7 +148,7 @@ TEST_CASE("squares of any place and size leave what exact transmittances do, six
                 CHECK(canvas.far.is_open(x, y) == (got.transmittance > 0));
             }
         }
-        INFO("law " << int(law) << ", sides up to " << largest << ", lanes " << keeps_lanes);
+        INFO("law " << int(law) << ", sides up to " << largest);
         CHECK(transmittance < 1.0 / 500);
         CHECK(color < 1.0 / 500);
     }
@@ -231,12 +227,11 @@ TEST_CASE("a sample whose lanes are alike needs none of them", "[raster]") {
 }
 
 TEST_CASE("large squares leave what their samples, deposited one by one, do", "[raster]") {
-    const bool keeps_lanes = GENERATE(true, false);
     Random random(73);
     for (int round = 0; round < 60; ++round) {
         const int width = 150, height = 40;
         // The second is a part of a larger picture.
-        Canvas whole(width, height, keeps_lanes), one_by_one(width, height, keeps_lanes), part(70, 30, keeps_lanes);
+        Canvas whole(width, height), one_by_one(width, height), part(70, 30);
         const int left = 50, top = 7;
         part.far.place(left, top, width, height);
         for (int i = 0; i < width * height; ++i) {
@@ -296,11 +291,10 @@ TEST_CASE("what is opaque covers once where it lies twice, and both halves where
 }
 
 TEST_CASE("squares that tile a picture close all of it", "[raster]") {
-    const bool keeps_lanes = GENERATE(true, false);
     Random random(62);
     for (int round = 0; round < 200; ++round) {
         const int width = 70, height = 20;
-        Canvas canvas(width, height, keeps_lanes);
+        Canvas canvas(width, height);
         const float side = round % 2 ? random.between(0.06f, 1) : random.between(1, 40);
         const float x0 = -random.unit() * side, y0 = -random.unit() * side;
         std::vector<Square> squares;
@@ -346,7 +340,6 @@ TEST_CASE("no sample is touched that is not covered", "[raster]") {
 }
 
 TEST_CASE("equal colors may come in any order", "[raster]") {
-    const bool keeps_lanes = GENERATE(true, false);
     Random random(63);
     for (int round = 0; round < 40; ++round) {
         const AreaLaw law = laws[round % 3];
@@ -355,7 +348,7 @@ TEST_CASE("equal colors may come in any order", "[raster]") {
             squares.push_back(square(random.between(0, 6), random.between(0, 6), random.between(0.05f, 2),
                                      loss_of_opacity(random.unit(), law)));
         }
-        Canvas a(6, 6, keeps_lanes), b(6, 6, keeps_lanes);
+        Canvas a(6, 6), b(6, 6);
         for (const Square& s : squares) a.deposit(s);
         random.shuffle(squares);
         for (const Square& s : squares) b.deposit(s);
@@ -371,12 +364,11 @@ TEST_CASE("equal colors may come in any order", "[raster]") {
 }
 
 TEST_CASE("a coherent square takes its area wherever it lies", "[raster]") {
-    const bool keeps_lanes = GENERATE(true, false);
     Random random(64);
     for (const float side : {0.02f, 0.1f, 0.3f, 0.8f, 1.5f, 2.0f, 5.0f, 33.0f}) {
         double taken = 0, each = 0;
         const int count = side < 0.05f ? 20000 : 400;
-        Canvas canvas(36, 36, keeps_lanes);
+        Canvas canvas(36, 36);
         for (int i = 0; i < count; ++i) {
             canvas.far.clear();
             canvas.far.begin();
@@ -435,9 +427,8 @@ TEST_CASE("a row of whole samples is a square that covers them", "[raster]") {
 }
 
 TEST_CASE("a square is cut off at the picture's borders, however large", "[raster]") {
-    const bool keeps_lanes = GENERATE(true, false);
     for (const float far : {60.0f, 1e6f, 1e30f, infinity}) {
-        Canvas canvas(40, 23, keeps_lanes);
+        Canvas canvas(40, 23);
         canvas.deposit({-far, -far, far, far, {0, 0.25f}});
         for (int i = 0; i < 40 * 23; ++i) CHECK(canvas.at(i % 40, i / 40).transmittance == Approx(0.75f).margin(1e-4));
         canvas.deposit({-far, 22.5f, 0.5f, far, {0, 0.5f}});
@@ -446,7 +437,7 @@ TEST_CASE("a square is cut off at the picture's borders, however large", "[raste
         CHECK(canvas.at(39, 0).transmittance == Approx(0.625f).margin(1e-4));
         CHECK(canvas.taken() == Approx(40 * 23 * 0.25 + 0.25).margin(0.01));
     }
-    Canvas canvas(40, 23, keeps_lanes);
+    Canvas canvas(40, 23);
     for (const float far : {41.0f, 1e6f, 1e30f}) {
         for (const float side : {0.5f, 1.0f}) {
             canvas.deposit(square(far, 3, side, {0, 1}));
@@ -464,9 +455,8 @@ TEST_CASE("a square is cut off at the picture's borders, however large", "[raste
 }
 
 TEST_CASE("odd numbers do no harm", "[raster]") {
-    const bool keeps_lanes = GENERATE(true, false);
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    Canvas canvas(5, 4, keeps_lanes);
+    Canvas canvas(5, 4);
     for (const float odd : {nan, infinity, -infinity}) {
         for (int i = 0; i < 4; ++i) {
             float edge[4] = {1, 1, 3, 3};
@@ -485,8 +475,7 @@ TEST_CASE("odd numbers do no harm", "[raster]") {
 }
 
 TEST_CASE("nearer geometry keeps a deposit out, as if it had never come", "[raster]") {
-    const bool keeps_lanes = GENERATE(true, false);
-    Canvas canvas(3, 1, keeps_lanes);
+    Canvas canvas(3, 1);
     canvas.depth[1] = 2;
     const Loss half = loss_of_opacity(0.5f, AreaLaw::coherent);
     canvas.deposit({0, 0, 3, 1, half, glm::vec3(1), 2});
@@ -514,16 +503,15 @@ TEST_CASE("nearer geometry keeps a deposit out, as if it had never come", "[rast
 }
 
 TEST_CASE("clearing leaves nothing of a frame", "[raster]") {
-    const bool keeps_lanes = GENERATE(true, false);
     Random random(67);
-    Canvas canvas(150, 40, keeps_lanes), fresh(150, 40, keeps_lanes);
+    Canvas canvas(150, 40), fresh(150, 40);
     for (int frame = 0; frame < 20; ++frame) {
         canvas.far.clear();
         CHECK_FALSE(canvas.far.has_begun());
         CHECK(canvas.is_untouched());
         for (int i = 0; i < 150 * 40; ++i) REQUIRE(canvas.far.is_open(i % 150, i / 150));
         canvas.far.begin();
-        fresh = Canvas(150, 40, keeps_lanes);
+        fresh = Canvas(150, 40);
         canvas.depth = fresh.depth;
         for (int i = 0; i < 200; ++i) {
             const std::size_t near = random.below(150 * 40);

@@ -38,11 +38,8 @@ class FarSamples {
     using Sample = FarSample;
     using Deposit = native_lanes::Deposit;
 
-    /// Both must be below 2^15. Where a pixel has 64 samples each is a lane by itself: what covers a part of it takes
-    /// that part of all that comes through, and no lanes are kept, which would be 2 KB a pixel. (16 samples without
-    /// lanes are no faster, and cover up to 1 % more.)
-    void resize(int width, int height, bool keeps_lanes = true) {
-        keeps_lanes_ = keeps_lanes;
+    /// Both must be below 2^15.
+    void resize(int width, int height) {
         width_ = width;
         height_ = height;
         words_ = std::size_t((width + 63) / 64);
@@ -79,7 +76,7 @@ class FarSamples {
         if (samples_.empty()) {
             const std::size_t count = std::size_t(width_) * std::size_t(height_);
             first_deposit_.resize(count);
-            if (keeps_lanes_) lanes_.resize(count);
+            lanes_.resize(count);
             samples_.assign(count, {});  // last: it tells that there is memory
         }
         has_begun_ = true;
@@ -117,7 +114,7 @@ class FarSamples {
             const float part = 1 / float(color.a);
             const glm::vec3 rgb = glm::vec3(float(color.r), float(color.g), float(color.b)) * part;
             const Deposit deposit(loss_of_opacity(float(color.a) * (1 / 255.0f), AreaLaw::independent), rgb);
-            if (into_whole(s, lanes_, i, (bits_.split & bit) != 0, deposit)) bits_.open &= ~bit;
+            if (into_whole(s, lanes_[i], (bits_.split & bit) != 0, deposit)) bits_.open &= ~bit;
         }
 
       private:
@@ -134,8 +131,8 @@ class FarSamples {
     Eight eight(int x, int y) {
         const std::size_t at = index(x, y);
         rect_.add(x, y, std::min(x + 8, width_), y + 1);
-        return {bits_[std::size_t(y) * words_ + std::size_t(x >> 6)], &samples_[at], lanes_from(at),
-                &first_deposit_[at], std::uint64_t(1) << (x & 63)};
+        return {bits_[std::size_t(y) * words_ + std::size_t(x >> 6)], &samples_[at], &lanes_[at], &first_deposit_[at],
+                std::uint64_t(1) << (x & 63)};
     }
     /// Deposits a square: each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are
     /// rounded to about 1/1000 of a sample, equal ones equally, so that adjoining squares cover nothing twice. The
@@ -143,7 +140,6 @@ class FarSamples {
     template <class Depths>
     void deposit_square(const Depths& depths, float left, float top, float right, float bottom, float q, Loss loss,
                         glm::vec3 rgb) {
-        if (!keeps_lanes_) return deposit_in_samples(depths, left, top, right, bottom, q, loss, rgb);
         const native_lanes::Square at(left, top, right, bottom, whole_width_, whole_height_);
         if (at.is_empty()) return;
         if (at.x1 - at.x0 >= large || at.y1 - at.y0 >= large) {
@@ -171,8 +167,8 @@ class FarSamples {
         }
     }
 
-    /// Deposits something no larger than a lane of 16: all of it goes into the lane, or the sample without lanes, that
-    /// holds its center. `rgb()` is called only if that changes anything.
+    /// Deposits something no larger than a lane: all of it goes into the lane that holds its center. `rgb()` is called
+    /// only if that changes anything.
     template <class Depths, class Color>
     void deposit_in_lane(const Depths& depths, float x, float y, float area, float q, Loss loss, Color&& rgb) {
         if (!(x >= 0 && y >= 0 && x < float(whole_width_) && y < float(whole_height_))) return;
@@ -181,11 +177,6 @@ class FarSamples {
         const Row row = row_of(j);
         if (!row.is_open(i) || q <= depths.depth(i, j)) return;
         if (i < rect_.x0 || j < rect_.y0 || i >= rect_.x1 || j >= rect_.y1) rect_.add(i, j, i + 1, j + 1);
-        if (!keeps_lanes_) {
-            row.touch(i, q);
-            if (one_lane_at_a_time::into_part(row.samples[i], area, loss, rgb())) row.close(i);
-            return;
-        }
         row.split(i, q);
         const int column = int((x - float(int(x))) * float(lanes::side));
         const int line = int((y - float(int(y))) * float(lanes::side));
@@ -272,23 +263,17 @@ class FarSamples {
             if ((b.split & bit(x)) != 0) return;
             b.split |= bit(x);
             if ((b.touched & bit(x)) != 0) return lanes[x].fill(std::uint16_t(lane_of(samples[x].transmittance)));
-            touch(x, q);
-            lanes[x].fill(detail::lanes::one);
-        }
-        FARFIELD_INLINE void touch(int x, float q) const {
-            Bits& b = bits[x >> 6];
-            if ((b.touched & bit(x)) != 0) return;
             b.touched |= bit(x);
             first_deposit[x] = q;
             samples[x] = {};
+            lanes[x].fill(detail::lanes::one);
         }
     };
     Row row_of(int y) {
         const std::size_t first = index(0, y);
-        return {samples_.data() + first, lanes_from(first), first_deposit_.data() + first,
+        return {samples_.data() + first, lanes_.data() + first, first_deposit_.data() + first,
                 bits_.data() + std::size_t(y) * words_};
     }
-    FarLanes* lanes_from(std::size_t at) { return keeps_lanes_ ? lanes_.data() + at : nullptr; }
     /// What a deposit leaves of a sample that nothing was deposited into.
     struct First {
         Sample left;
@@ -305,51 +290,11 @@ class FarSamples {
         return ~std::uint64_t(0) << first & ~std::uint64_t(0) >> (63 - last);
     }
 
-    /// NaN is 0.
-    static float inside(float at, int size) { return std::min(std::max(0.0f, at), float(size)); }
-
-    /// Deposits a square where samples have no lanes.
-    template <class Depths>
-    void deposit_in_samples(const Depths& depths, float left, float top, float right, float bottom, float q, Loss loss,
-                            glm::vec3 rgb) {
-        left = inside(left, whole_width_), right = inside(right, whole_width_);
-        top = inside(top, whole_height_), bottom = inside(bottom, whole_height_);
-        if (!(left < right && top < bottom)) return;
-        const int x0 = std::max(int(left) - left_, 0), x1 = std::min(int(std::ceil(right)) - left_, width_);
-        const int y0 = std::max(int(top) - top_, 0), y1 = std::min(int(std::ceil(bottom)) - top_, height_);
-        if (x0 >= x1 || y0 >= y1) return;
-        rect_.add(x0, y0, x1, y1);
-        const int whole_from = std::max(int(std::ceil(left)) - left_, x0), whole_to = std::min(int(right) - left_, x1);
-        const Deposit deposit(loss, rgb);
-        const First first = first_of(deposit);
-        for (int y = y0; y < y1; ++y) {
-            const auto up = float(y + top_);
-            const float height = std::min(bottom, up + 1) - std::max(top, up);
-            const Row row = row_of(y);
-            const auto in_parts = [&](int begin, int end) {
-                for (int x = begin; x < end; ++x) {
-                    if (!row.is_open(x) || q <= depths.depth(x, y)) continue;
-                    const auto beside = float(x + left_);
-                    const float width = std::min(right, beside + 1) - std::max(left, beside);
-                    row.touch(x, q);
-                    if (one_lane_at_a_time::into_part(row.samples[x], width * height, loss, rgb)) row.close(x);
-                }
-            };
-            if (height < 1 || whole_from >= whole_to) {
-                in_parts(x0, x1);
-                continue;
-            }
-            in_parts(x0, whole_from);
-            deposit_whole(
-                depths, y, whole_from, whole_to, [q](int) { return q; }, deposit, first);
-            in_parts(whole_to, x1);
-        }
-    }
-
     /// Splits the square into what covers samples whole and a border.
     template <class Depths>
     [[gnu::noinline]] void deposit_large(const Depths& depths, float left, float top, float right, float bottom,
                                          float q, Loss loss, glm::vec3 rgb) {
+        const auto inside = [](float at, int size) { return std::min(std::max(0.0f, at), float(size)); };
         left = inside(left, whole_width_), right = inside(right, whole_width_);
         top = inside(top, whole_height_), bottom = inside(bottom, whole_height_);
         const float x0 = std::min(std::ceil(left), right), x1 = std::max(std::floor(right), x0);
@@ -397,15 +342,14 @@ class FarSamples {
             }
             for (std::uint64_t left = changed & ~fresh; left != 0; left &= left - 1) {
                 const int x = word * 64 + std::countr_zero(left);
-                if (into_whole(row.samples[x], row.lanes, std::size_t(x), row.is_split(x), deposit)) row.close(x);
+                if (into_whole(row.samples[x], row.lanes[x], row.is_split(x), deposit)) row.close(x);
             }
         }
     }
-    /// `lanes` are looked at, from the i-th on, if the sample is split.
-    static bool into_whole(Sample& sample, FarLanes* lanes, std::size_t i, bool is_split, const Deposit& deposit) {
+    static bool into_whole(Sample& sample, FarLanes& lanes, bool is_split, const Deposit& deposit) {
         if (!is_split) return deposit.into(sample);
         const native_lanes::Square whole(0, 0, 1, 1, 1, 1);
-        return deposit.into(sample, lanes[i], whole.columns(0), whole.rows(0));
+        return deposit.into(sample, lanes, whole.columns(0), whole.rows(0));
     }
 
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
@@ -415,11 +359,11 @@ class FarSamples {
     int left_ = 0, top_ = 0, whole_width_ = 0, whole_height_ = 0;
     std::size_t words_ = 0;
     std::vector<Sample> samples_;       ///< those touched
-    std::vector<FarLanes> lanes_;       ///< those split; empty unless keeps_lanes_
+    std::vector<FarLanes> lanes_;       ///< those split
     std::vector<float> first_deposit_;  ///< q of the first and nearest, for samples touched
     std::vector<Bits> bits_;            ///< 64 samples each, rows padded
     SampleRect rect_;
-    bool has_begun_ = false, keeps_lanes_ = true;
+    bool has_begun_ = false;
 };
 
 }  // namespace farfield::detail

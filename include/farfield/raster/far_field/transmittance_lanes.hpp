@@ -121,12 +121,14 @@ class Deposit {
     glm::vec3 rgb_;
 };
 
-/// Of something that lets `before` through, what a loss takes where it covers a part (at most all of it).
-inline float taken_from(float before, float part, Loss loss, float one) {
-    return std::min((loss.relative * before + loss.absolute * one) * std::min(part, 1.0f), before);
-}
-/// Colors what is `taken` off a sample; true if that closed it.
-inline bool take(FarSample& s, float taken, glm::vec3 rgb) {
+/// Deposits into a single lane, `part` of which is covered (at most all of it).
+inline bool into_lane(FarSample& s, FarLanes& of, int lane, float part, Loss loss, glm::vec3 rgb) {
+    const auto before = float(of.lane[lane]);
+    const float taken_here =
+        std::min((loss.relative * before + loss.absolute * float(lanes::one)) * std::min(part, 1.0f), before);
+    const int left = int(before - taken_here + 0.5f);
+    of.lane[lane] = std::uint16_t(left);
+    float taken = (before - float(left)) * (1.0f / float(lanes::count * lanes::one));
     const bool closes = s.transmittance - taken < closed_transmittance;
     if (closes) taken = s.transmittance;
     s.r += taken * rgb.x;
@@ -134,17 +136,6 @@ inline bool take(FarSample& s, float taken, glm::vec3 rgb) {
     s.b += taken * rgb.z;
     s.transmittance -= taken;
     return closes;
-}
-/// Deposits into a single lane, `part` of which is covered (at most all of it).
-inline bool into_lane(FarSample& s, FarLanes& of, int lane, float part, Loss loss, glm::vec3 rgb) {
-    const auto before = float(of.lane[lane]);
-    const int left = int(before - taken_from(before, part, loss, float(lanes::one)) + 0.5f);
-    of.lane[lane] = std::uint16_t(left);
-    return take(s, (before - float(left)) * (1.0f / float(lanes::count * lanes::one)), rgb);
-}
-/// Deposits into a sample without lanes, `part` of which is covered (at most all of it).
-inline bool into_part(FarSample& s, float part, Loss loss, glm::vec3 rgb) {
-    return take(s, taken_from(s.transmittance, part, loss, 1), rgb);
 }
 
 }  // namespace one_lane_at_a_time

@@ -262,7 +262,7 @@ class SampleBuffers {
         background_ = background;
         blocks_.resize(width, height, background);
         rows_.resize(std::size_t(width) * std::size_t(samples_a_side));
-        far_.resize(width, height, /*keeps_lanes=*/samples_a_side < 2 * lanes::side);
+        far_.resize(width, height);
         tiles_.begin(width, height);
         drawn_in_image_ = {0, 0, width, height};
     }
