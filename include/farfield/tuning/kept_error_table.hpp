@@ -46,6 +46,7 @@ struct MeasuredWith {
     int width = 0, height = 0;  ///< of pictures, in pixels
 
     std::string as_text() const { return renderer + " " + std::to_string(width) + "x" + std::to_string(height); }
+    friend bool operator==(const MeasuredWith&, const MeasuredWith&) = default;
 };
 
 /// What tells hierarchies apart: their facts, the primitives' fingerprint among them, and how they are approximated.
@@ -184,11 +185,19 @@ std::optional<SampledErrorTable> error_table_in(const Notes& notes, const Measur
 
 }  // namespace detail
 
-/// What the tables among notes were measured with, each as MeasuredWith::as_text().
-inline std::vector<std::string> error_tables_in(const Notes& notes) {
-    std::vector<std::string> all;
+/// What the tables among notes were measured with, by renderers' names.
+inline std::vector<MeasuredWith> error_tables_in(const Notes& notes) {
+    std::vector<MeasuredWith> all;
     for (const auto& [name, text] : notes) {
-        if (name.rfind(detail::error_note, 0) == 0) all.push_back(name.substr(detail::error_note.size()));
+        const std::size_t space = name.rfind(' '), by = name.rfind('x');
+        if (name.rfind(detail::error_note, 0) != 0 || space < detail::error_note.size() || by == std::string::npos ||
+            by < space) {
+            continue;
+        }
+        MeasuredWith with{name.substr(detail::error_note.size(), space - detail::error_note.size())};
+        std::from_chars(name.data() + space + 1, name.data() + by, with.width);
+        std::from_chars(name.data() + by + 1, name.data() + name.size(), with.height);
+        if (detail::name_of_error_note(with) == name) all.push_back(std::move(with));
     }
     return all;
 }
