@@ -15,6 +15,7 @@
 #include "farfield/build.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/paging/open_pages.hpp"
+#include "farfield/paging/pack_pages.hpp"
 #include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/octree.hpp"
 #include "farfield/primitive/triangle.hpp"
@@ -51,6 +52,14 @@ void require_same(const SampledErrorTable& a, const SampledErrorTable& b) {
     }
 }
 
+/// Packs nothing: pages are stored as they are.
+struct NoCodec {
+    static constexpr std::uint32_t file_tag = 0x4e4f4e45u;
+    static constexpr const char* name = "none";
+    std::size_t pack(std::span<const std::byte>, std::span<std::byte>) const { return 0; }
+    bool unpack(std::span<const std::byte>, std::span<std::byte>) const noexcept { return false; }
+};
+
 struct Scene {
     std::vector<Triangle> triangles = scene(300);
     Hierarchy hierarchy = build<Hierarchy>(triangles);
@@ -73,11 +82,12 @@ struct Scene {
 TEST_CASE("an error table comes back from its hierarchy's file to the last bit, and chooses the same") {
     const TemporaryDirectory directory;
     const Scene scene;
-    const auto plain = directory / "plain", pages = directory / "pages.farfield";
+    const auto plain = directory / "plain", pages = directory / "pages.farfield", packed = directory / "packed";
     save(scene.hierarchy, plain);
     save_pages<Hierarchy, Triangle>(scene.hierarchy, scene.triangles, pages);
+    pack_pages(NoCodec(), pages, packed);
     const SampledErrorTable table = some_table();
-    for (const auto& path : {plain, pages}) {
+    for (const auto& path : {plain, pages, packed}) {
         CHECK_FALSE(kept_error_table(with, scene.hierarchy, path));
         keep_error_table(table, {"coverage", 640, 360}, scene.hierarchy, path);
         CHECK_FALSE(kept_error_table(with, scene.hierarchy, path));
@@ -98,6 +108,7 @@ TEST_CASE("an error table comes back from its hierarchy's file to the last bit, 
     CHECK(identity_of(opened) == identity_of(scene.hierarchy));
     require_same(kept_error_table(with, opened).value(), table);
     CHECK(read_notes(plain) == read_notes(pages));
+    CHECK(read_notes(plain) == read_notes(packed));
     const std::string text = read_notes(plain).at("errors z-buffer 640x360");
     CHECK(text.find("samples 9 2.6666666666666665\n") != std::string::npos);
     CHECK(text.find("0.25 0.3333333333333333 0.7\n") != std::string::npos);
@@ -158,7 +169,14 @@ TEST_CASE("a table that was put into the file of another hierarchy is refused by
     CHECK(identity_of(deeper) != identity_of(scene.hierarchy));
     CHECK(identity_of(build<Cells>(scene.triangles)) != identity_of(scene.hierarchy));
     CHECK(identity_of(build<Hierarchy>(scene.triangles)) == identity_of(scene.hierarchy));
-    keep_error_table(some_table(), with, fewer, directory / "h");
+    const Bytes before = read_file(directory / "h");
+    CHECK_THROWS_WITH(keep_error_table(some_table(), with, fewer, directory / "h"),
+                      Catch::Matchers::Contains("farfield::keep_error_table: " + (directory / "h").string()) &&
+                          Catch::Matchers::Contains("another hierarchy"));
+    CHECK(read_file(directory / "h") == before);
+    Notes notes;
+    keep_error_table(some_table(), with, fewer, notes);
+    write_notes(notes, directory / "h");
     CHECK_THROWS_WITH(kept_error_table(with, scene.hierarchy, directory / "h"),
                       Catch::Matchers::Contains((directory / "h").string() + ": errors z-buffer 640x360:3: it was") &&
                           Catch::Matchers::Contains("another hierarchy"));

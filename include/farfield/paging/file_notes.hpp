@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "farfield/hierarchy/hierarchy_data.hpp"
 #include "farfield/paging/file_page_source.hpp"
 #include "farfield/paging/packed_format.hpp"
 #include "farfield/paging/page_format.hpp"
@@ -28,15 +29,25 @@
 namespace farfield {
 namespace detail {
 
-/// Where notes begin, in a file of `size` bytes of which `head` are the first.
+/// Where notes begin in a file, and of which hierarchy it is.
 struct PlaceOfNotes {
     std::uint64_t begin = 0;
     bool is_packed = false;
+    HierarchyFacts facts;
+    std::uint32_t approximation_tag = 0;
 };
 
 inline constexpr std::size_t most_header_bytes =
-    std::max({sizeof(FileHeader), sizeof(PageFileHeader), sizeof(PackedFileHeader)});
+    std::max(sizeof(FileHeader), sizeof(PackedFileHeader) + sizeof(PageFileHeader));
 
+inline std::uint32_t approximation_tag_of(const FileHeader& header) {
+    return header.approximation_tag;
+}
+inline std::uint32_t approximation_tag_of(const PageFileHeader& header) {
+    return header.records[1];
+}
+
+/// Of a file of `size` bytes, of which `head` are the first.
 template <class Header>
 std::string wrong_end(std::span<const std::byte> head, std::uint64_t size, std::uint32_t version, PlaceOfNotes& place) {
     Header header;
@@ -48,6 +59,8 @@ std::string wrong_end(std::span<const std::byte> head, std::uint64_t size, std::
         return "is damaged: the checksum of its header is wrong";
     }
     place.begin = header.file_bytes;
+    place.facts = header.facts;
+    place.approximation_tag = approximation_tag_of(header);
     return size < place.begin ? "is truncated" : "";
 }
 
@@ -61,8 +74,11 @@ inline std::string wrong_place_of_notes(std::span<const std::byte> head, std::ui
     if (!begins_with(packed_file_magic)) return "is no file of a hierarchy";
     PackedFileHeader header;
     if (const char* why = wrong_packed_file(head, size, header)) return why;
-    place = {size - header.note_bytes, true};
-    return {};
+    const std::string why =
+        wrong_end<PageFileHeader>(head.subspan(sizeof header), header.unpacked_bytes, page_file_version, place);
+    place.begin = size - header.note_bytes;
+    place.is_packed = true;
+    return why;
 }
 
 /// read(offset, bytes) fills them or throws; refuse(why) throws.

@@ -107,9 +107,8 @@ bool holds_pages_of(S& source) {
 
 /// Opens a file of pages from any source, which the result and its copies share; `where` names it in messages. H and P
 /// are what it was made of. Reads its header, notes and first page. A source that can be canceled is when the last copy
-/// goes.
-/// Throws std::runtime_error if anything is wrong with them;
-/// std::invalid_argument if the options leave no room for two pages.
+/// goes. Throws std::runtime_error if anything is wrong with them; std::invalid_argument if the options leave no room
+/// for two pages.
 template <Pageable H, PageablePrimitive P, PageSource S>
 PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string& where,
                                    const PageCacheOptions& options = {}) {

@@ -91,6 +91,7 @@ inline std::vector<std::byte> bytes_of_notes(const Notes& notes) {
 /// Reads all that follows a hierarchy in its file. Returns the reason to refuse the file; empty if they are notes.
 inline std::string wrong_notes(std::span<const std::byte> bytes, Notes& notes) {
     NotesHeader header;
+    if (bytes.size() > most_note_bytes) return "is too long: its notes are longer than any";
     if (bytes.size() < sizeof header) return "is truncated: its notes are not whole";
     std::memcpy(&header, bytes.data(), sizeof header);
     if (header.magic != notes_magic) return "is damaged: what follows the hierarchy is none of its notes";

@@ -30,6 +30,7 @@
 #include "farfield/cost_model/price_file.hpp"
 #include "farfield/fail.hpp"
 #include "farfield/geometry/mixed.hpp"
+#include "farfield/hierarchy/hierarchy_data.hpp"
 #include "farfield/paging/file_notes.hpp"
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/fields.hpp"
@@ -49,12 +50,17 @@ struct MeasuredWith {
     friend bool operator==(const MeasuredWith&, const MeasuredWith&) = default;
 };
 
+namespace detail {
+inline std::uint64_t identity_by(const HierarchyFacts& facts, std::uint32_t approximation_tag) {
+    return mixed(Xxh64::of(bytes_of(facts)), approximation_tag);
+}
+}  // namespace detail
+
 /// What tells hierarchies apart: their facts, the primitives' fingerprint among them, and how they are approximated.
 /// One that was saved, or cut into pages, has that of the one in memory.
 template <class H>
 std::uint64_t identity_of(const H& hierarchy) {
-    const std::uint64_t facts = detail::Xxh64::of(detail::bytes_of(hierarchy.facts()));
-    return detail::mixed(facts, H::approximation_type::facts.file_tag);
+    return detail::identity_by(hierarchy.facts(), H::approximation_type::facts.file_tag);
 }
 
 namespace detail {
@@ -208,11 +214,16 @@ void keep_error_table(const SampledErrorTable& table, const MeasuredWith& with, 
     notes.insert_or_assign(detail::name_of_error_note(with), detail::text_of(table, identity_of(hierarchy)));
 }
 
-/// Puts a table into the hierarchy's file, which is written anew (write_notes()). Throws as that does.
+/// Puts a table into the hierarchy's file, which is written anew (write_notes()). Throws as that does, and
+/// std::runtime_error for the file of another hierarchy.
 template <class H>
 void keep_error_table(const SampledErrorTable& table, const MeasuredWith& with, const H& hierarchy,
                       const std::filesystem::path& file) {
-    Notes notes = read_notes(file);
+    detail::FileWithNotes in("keep_error_table", file);
+    if (detail::identity_by(in.place.facts, in.place.approximation_tag) != identity_of(hierarchy)) {
+        in.refuse_if("is of another hierarchy than the one that was measured");
+    }
+    Notes notes = in.notes();
     keep_error_table(table, with, hierarchy, notes);
     write_notes(notes, file);
 }
