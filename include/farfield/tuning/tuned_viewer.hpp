@@ -10,7 +10,6 @@
 
 #include "farfield/settings.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -30,8 +29,7 @@
 namespace farfield {
 
 /// A Viewer for each number of samples in a table, over one hierarchy; they share what renderers share. Hierarchy and
-/// primitives outlive it. Not to be used by two threads at once. Frames that want what the last one wanted do not
-/// allocate, as a Viewer's.
+/// primitives outlive it. Not to be used by two threads at once. Frames do not allocate, as a Viewer's.
 template <class H, class P, class R>
 class TunedViewer {
   public:
@@ -55,11 +53,11 @@ class TunedViewer {
     FrameStats frame(View view) {
         view.validate();
         last_ = 0;
-        if (view.wanted.is_any()) {
-            choice_.reset();
-            wanted_.reset();
-        } else {
-            choose(view.wanted);
+        choice_.reset();
+        if (!view.wanted.is_any()) {
+            choice_ = table_.cheapest_for(view.wanted);
+            const auto tables = table_.tables();
+            while (tables[last_].samples != choice_->samples) ++last_;
             view = choice_->applied_to(view);
             // What is expected of a cell was not asked when the table was measured.
             view.wanted.rmse = WantedError::any().rmse;
@@ -79,21 +77,9 @@ class TunedViewer {
         std::unique_ptr<Viewer<H, P, R>> viewer{};  ///< after its renderer, which it lets go of
     };
 
-    void choose(const WantedError& wanted) {
-        if (!wanted_ || !(*wanted_ == wanted)) {
-            choice_ = table_.cheapest_for(wanted);
-            wanted_ = wanted;
-        }
-        const auto tables = table_.tables();
-        const auto chosen = std::find_if(tables.begin(), tables.end(),
-                                         [&](const ErrorsAtSamples& at) { return at.samples == choice_->samples; });
-        last_ = std::size_t(chosen - tables.begin());
-    }
-
     SampledErrorTable table_;
     std::vector<Drawn> all_;  ///< one a table
     std::size_t last_ = 0;
-    std::optional<WantedError> wanted_;
     std::optional<SampleChoice> choice_;
 };
 
