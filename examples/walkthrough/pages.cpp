@@ -116,7 +116,7 @@ class PagedRun {
     }
     template <class H, class Source>
     void walk_as(const std::shared_ptr<Source>& source, PagedResult& result) {
-        const auto begin = Clock::now();
+        auto begin = Clock::now();
         const auto pages =
             farfield::open_pages_of<H, PagedPrimitive>(source, result.where, {.most_bytes = options_.cache_mib << 20});
         result.open_ms = ms_since(begin);
@@ -124,7 +124,9 @@ class PagedRun {
         result.file_bytes = pages.bytes();
         result.pages = pages.page_count();
         const std::vector<farfield::Camera> cameras = descent_into(pages.bounds(), options_);
+        const auto before = Clock::now();
         choose(pages, cameras, result);
+        begin += Clock::now() - before;  // it is no part of a first image
         const int samples = result.choice ? result.choice->samples : options_.samples;
         farfield::ZBufferRenderer renderer({.samples = samples});
         auto viewer = farfield::make_viewer(pages, renderer);
@@ -254,16 +256,16 @@ void print(std::ostream& out, const PagedResult& r) {
         << std::fixed << std::setprecision(1) << "first image after " << r.first_ms << " ms (opened in " << r.open_ms
         << "), "
         << (r.whole_ms ? "nothing missing after " + std::to_string(long(*r.whole_ms)) + " ms\n"
-                       : std::string("and not whole within 10 s: give it more --cache, or time\n"))
-        << std::left << std::setw(36) << "" << std::right << std::setw(10) << "median" << std::setw(10) << "most"
-        << "\n";
+                       : std::string("and not whole within 10 s: give it more --cache, or time\n"));
     if (r.choice) {
-        const farfield::ToleranceTrial& t = r.choice->tolerance.trial;
-        out << "chosen by the table in the file, " << (r.was_measured ? "measured now: " : "measured before: ")
-            << words(Choice{*r.choice, false}, true) << std::setprecision(4) << ", RMSE " << t.rmse
-            << " over objects, at " << std::setprecision(2) << r.choice->cost << " of what exact costs\n"
+        out << "by the table in the file, measured " << (r.was_measured ? "now: " : "before: ")
+            << words(Choice{*r.choice, false}, true) << std::setprecision(4) << ", RMSE "
+            << r.choice->tolerance.trial.rmse << " over objects, " << std::setprecision(2) << r.choice->cost
+            << " times what exact costs at the fewest samples\n"
             << std::setprecision(1);
     }
+    out << std::left << std::setw(36) << "" << std::right << std::setw(10) << "median" << std::setw(10) << "most"
+        << "\n";
     line("frame", median(r.frame_ms), most(r.frame_ms), "ms");
     line("pages loaded a frame", median(r.loads), most(r.loads), "");
     line("cells drawn coarser for a page", median(r.missing), most(r.missing), "");
