@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "farfield/frame/frame_budget.hpp"
-#include "farfield/tuning/error_table_file.hpp"
 #include "farfield/tuning/measure_frame_prices.hpp"
 #include "farfield/view.hpp"
 #include "scenes/looked_at.hpp"
@@ -28,7 +27,6 @@ struct BuildFacts {
     /// What is drawn comes in strict order, so that coverage masks need not compare depths.
     bool keeps_strict_order = false;
     std::uint64_t cells_over_piece_budget = 0;  ///< as BuildReport's
-    HierarchyIdentity identity;                 ///< of all hierarchies together, as tables of errors know them
 };
 
 /// Gets told from time to time what part of a build is done; returning false ends it with BuildCanceled.

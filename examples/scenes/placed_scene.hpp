@@ -321,7 +321,6 @@ class PlacedScene final : public BuiltScene {
         facts_.bytes += hierarchy.bytes();
         facts_.cells += hierarchy.nodes().size();
         facts_.levels = std::max(facts_.levels, hierarchy.report().levels);
-        facts_.identity.add(HierarchyIdentity::of(hierarchy));
         facts_.cells_over_piece_budget += hierarchy.report().cells_over_piece_budget;
         facts_.keeps_strict_order = (is_first || facts_.keeps_strict_order) && hierarchy.keeps_strict_order();
     }

@@ -1,9 +1,12 @@
 #include "paged_scene.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #ifdef FARFIELD_HAS_HTTP
 #include "farfield/adapters/http_page_source.hpp"
@@ -17,6 +20,9 @@
 #include "farfield/paging/open_pages.hpp"
 #include "farfield/pick.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/tuning/error_table.hpp"
+#include "farfield/tuning/kept_error_table.hpp"
+#include "farfield/tuning/sampled_error_table.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/paged_variants.hpp"
 
@@ -61,12 +67,35 @@ struct OpenGl {
 };
 #endif
 
+struct KeptTable {
+    farfield::MeasuredWith with;
+    farfield::SampledErrorTable table;
+};
+
+/// Of the z-buffer, but OpenGL draws the same and errs alike. Throws std::runtime_error for what is no table.
+template <class Pages>
+std::vector<KeptTable> kept_tables(const Pages& pages) {
+    std::vector<KeptTable> tables;
+    for (const farfield::MeasuredWith& with : farfield::error_tables_in(pages.notes())) {
+        if (with.renderer != name_of(RendererKind::z_buffer)) continue;
+        tables.push_back({with, farfield::kept_error_table(with, pages).value()});
+    }
+    return tables;
+}
+
 template <class Pages, class Drawn>
 class PagedFrames final : public SceneViewer {
   public:
-    PagedFrames(const Pages& pages, const RendererChoice& choice) : by_(choice), viewer_(pages, by_.renderer) {}
+    PagedFrames(const Pages& pages, const std::vector<KeptTable>& tables, const RendererChoice& choice)
+        : by_(choice), viewer_(pages, by_.renderer) {
+        for (const KeptTable& kept : tables) {
+            for (const farfield::ErrorsAtSamples& at : kept.table.tables()) {
+                if (at.samples == choice.samples) tables_.push_back({kept.with.height, at.table});
+            }
+        }
+    }
     FrameStats frame(const View& view) override {
-        const FrameStats stats = viewer_.frame(view);
+        const FrameStats stats = viewer_.frame(with_tolerance(view));
         by_.finish();
         return stats;
     }
@@ -74,14 +103,35 @@ class PagedFrames final : public SceneViewer {
     unsigned texture() const override { return by_.texture(); }
 
   private:
+    struct TableAtHeight {
+        int height;  ///< of the pictures that were measured
+        farfield::ErrorTable table;
+    };
+
+    /// Where an error is wanted and the file has a table for so many samples, the tolerance that keeps it: by the table
+    /// of pictures that are most nearly as high, for the window has any size.
+    View with_tolerance(View view) const {
+        if (view.wanted.is_any() || tables_.empty()) return view;
+        const auto ratio = [&](const TableAtHeight& t) {
+            return std::abs(std::log(double(t.height) / double(view.whole_height())));
+        };
+        const auto nearest =
+            std::min_element(tables_.begin(), tables_.end(),
+                             [&](const TableAtHeight& a, const TableAtHeight& b) { return ratio(a) < ratio(b); });
+        view.tolerance_px = nearest->table.tolerance_for(view.wanted).trial.tolerance_px;
+        view.wanted.rmse = farfield::WantedError::any().rmse;
+        return view;
+    }
+
     Drawn by_;
     farfield::Viewer<Pages, PagedPrimitive, typename Drawn::Renderer> viewer_;
+    std::vector<TableAtHeight> tables_;
 };
 
 template <class Pages>
 class PagedBuilt final : public BuiltScene {
   public:
-    explicit PagedBuilt(const Pages& pages) : pages_(pages) {
+    explicit PagedBuilt(const Pages& pages) : pages_(pages), tables_(kept_tables(pages)) {
         facts_.bytes = pages.bytes();
         facts_.cells = pages.node_count();
         facts_.levels = pages.report().levels;
@@ -92,9 +142,10 @@ class PagedBuilt final : public BuiltScene {
                                         " does not draw from pages here");
         }
 #ifdef FARFIELD_HAS_OPENGL
-        if (choice.kind == RendererKind::opengl) return std::make_unique<PagedFrames<Pages, OpenGl>>(pages_, choice);
+        if (choice.kind == RendererKind::opengl)
+            return std::make_unique<PagedFrames<Pages, OpenGl>>(pages_, tables_, choice);
 #endif
-        return std::make_unique<PagedFrames<Pages, ZBuffer>>(pages_, choice);
+        return std::make_unique<PagedFrames<Pages, ZBuffer>>(pages_, tables_, choice);
     }
     std::optional<PickedInScene> pick(const View& view, glm::dvec2 pixel) const override {
         Pages own = pages_;  // whoever picks may be another thread
@@ -110,6 +161,7 @@ class PagedBuilt final : public BuiltScene {
 
   private:
     Pages pages_;
+    std::vector<KeptTable> tables_;
 };
 
 template <class Source>

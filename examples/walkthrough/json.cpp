@@ -55,7 +55,6 @@ Json json_of(const Result& r, const Options& options) {
             {"budget_ms", options.budget_ms ? Json(*options.budget_ms) : Json(nullptr)},
             {"error_table", r.measured ? json_of(r.measured->by_tolerance) : Json(nullptr)},
             {"wanted_error_table", r.measured ? json_of(r.measured->wanted) : Json(nullptr)},
-            {"error_tables_kept", r.measured && r.measured->was_kept},
             {"plain_loop", json_of(r.plain)},
             {"build_seconds", r.build.seconds},
             {"hierarchy_bytes", r.build.bytes},

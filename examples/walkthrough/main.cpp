@@ -30,9 +30,7 @@ void make_writable(const std::filesystem::path& directory) {
 
 /// Before the long work, not after it.
 void check_writable(const walkthrough::Options& options) {
-    for (const auto& directory : {options.out_directory, options.table_directory}) {
-        if (directory) make_writable(*directory);
-    }
+    if (options.out_directory) make_writable(*options.out_directory);
     if (options.json_file && !std::ofstream(*options.json_file, std::ios::app)) {
         throw walkthrough::UsageError("cannot write " + options.json_file->string());
     }
@@ -48,6 +46,7 @@ void walk(const walkthrough::Options& options) {
         if (!std::cout.flush()) throw UsageError("cannot write to the standard output");
         return;
     }
+    if (options.measures_errors) throw UsageError("--measure is for files of pages: in memory, every run measures");
     const Setting setting = make_setting(options.scene, options.up, std::uint32_t(options.copies));
     check_writable(options);
     std::vector<Result> results;

@@ -184,7 +184,7 @@ void check_numbers(const Options& options) {
 std::optional<Options> parse_options(int argc, const char* const* argv, std::string& answer) {
     Options options;
     std::string variant_names = "color-cube", renderer = "z-buffer", wanted_error = "point-sampling", up, size, out,
-                json, tables, path, samples = "1";
+                json, path, samples = "1";
     double budget_ms = 0, distance = 0;
     bool wants_list = false;
 
@@ -233,10 +233,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     app.add_option("--path", path, "fly this instead: a path that the viewer has recorded")->type_name("FILE");
     app.add_option("--out", out, "write pictures of up to 8 frames here")->type_name("DIR");
     app.add_option("--json", json, "write the table here")->type_name("FILE");
-    const auto* const tables_option =
-        app.add_option("--tables", tables,
-                       "read tables of errors here, that --error chooses from; measure and write those that are not")
-            ->type_name("DIR");
+    app.add_flag("--measure", options.measures_errors,
+                 "of a file of pages: measure what --error chooses from at this --size, and put it into the file, for "
+                 "all later runs");
     app.add_flag("--list", wants_list, "show scenes, variants and renderers");
     try {
         app.parse(argc, argv);
@@ -282,9 +281,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
     }
     if (!out.empty()) options.out_directory = out;
     if (!json.empty()) options.json_file = json;
-    if (tables_option->count() != 0) {
-        if (!options.error) throw UsageError("--tables keeps what --error chooses from: there is nothing to choose");
-        options.table_directory = tables;
+    options.error_is_asked = error_option->count() != 0 && options.error;
+    if (options.measures_errors && !options.error) {
+        throw UsageError("--measure is for what --error chooses from: there is nothing to choose");
     }
     if (!options.more_samples.empty() && !options.error) {
         throw UsageError("--samples auto is chosen by --error: there is nothing to choose by");

@@ -37,13 +37,13 @@ struct Options {
     double angle_degrees = 0;                   ///< off the front, about the up axis
     /// What each variant's tolerance is chosen by. None: all have `tolerance_px`.
     std::optional<farfield::WantedError> error = farfield::WantedError{};
+    bool error_is_asked = false;   ///< by the command line, so that something must choose
+    bool measures_errors = false;  ///< of a file of pages, and puts into it what its tolerance is chosen by
     float tolerance_px = 1;
     std::optional<double> budget_ms;  ///< that a frame of a variant may take; exact's may take any
     std::size_t cache_mib = 256;      ///< for pages, of scenes that are larger than memory
     std::optional<std::filesystem::path> out_directory;
     std::optional<std::filesystem::path> json_file;
-    /// Where tables of errors are kept that tolerances are chosen from; none: each run measures its own.
-    std::optional<std::filesystem::path> table_directory;
 };
 
 /// Nothing where the command line asked for help or a list, which is then in `answer`. Throws UsageError.

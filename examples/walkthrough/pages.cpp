@@ -28,6 +28,9 @@
 #include "farfield/paging/file_page_source.hpp"
 #include "farfield/paging/open_pages.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/tuning/kept_error_table.hpp"
+#include "farfield/tuning/measure_error_table.hpp"
+#include "farfield/tuning/sampled_error_table.hpp"
 #include "farfield/viewer.hpp"
 #include "report/picture.hpp"
 #include "report/progress.hpp"
@@ -75,6 +78,8 @@ struct PagedResult {
         whole_ms{};  ///< none: the cache is smaller than what the first frame wants, or reads are slow
     std::vector<double> frame_ms, loads, missing;
     double drawn_primitives = 0, stand_ins = 0;
+    std::optional<farfield::SampleChoice> choice{};  ///< none: nothing chose
+    bool was_measured = false;                       ///< in this run
     std::vector<double> rmse;
     farfield::PageCacheStats cache;
 };
@@ -111,16 +116,24 @@ class PagedRun {
     }
     template <class H, class Source>
     void walk_as(const std::shared_ptr<Source>& source, PagedResult& result) {
-        const auto begin = Clock::now();
+        auto begin = Clock::now();
         const auto pages =
             farfield::open_pages_of<H, PagedPrimitive>(source, result.where, {.most_bytes = options_.cache_mib << 20});
         result.open_ms = ms_since(begin);
         result.primitives = pages.primitive_count();
         result.file_bytes = pages.bytes();
         result.pages = pages.page_count();
-        farfield::ZBufferRenderer renderer({.samples = options_.samples});
-        auto viewer = farfield::make_viewer(pages, renderer);
         const std::vector<farfield::Camera> cameras = descent_into(pages.bounds(), options_);
+        const auto before = Clock::now();
+        choose(pages, cameras, result);
+        begin += Clock::now() - before;  // it is no part of a first image
+        const int samples = result.choice ? result.choice->samples : options_.samples;
+        farfield::ZBufferRenderer renderer({.samples = samples});
+        auto viewer = farfield::make_viewer(pages, renderer);
+        const auto view = [&](const farfield::Camera& camera) {
+            const View v = view_of(camera);
+            return result.choice ? result.choice->applied_to(v) : v;
+        };
         viewer.frame(view(cameras[0]));
         result.first_ms = ms_since(begin);
         constexpr double patience_ms = 10'000;
@@ -131,7 +144,7 @@ class PagedRun {
         auto waiting =
             farfield::open_pages_of<H, PagedPrimitive>(source, result.where, {.most_bytes = options_.cache_mib << 20});
         waiting.wait_for_pages(true);
-        farfield::ZBufferRenderer reference_renderer({.samples = options_.samples});
+        farfield::ZBufferRenderer reference_renderer({.samples = samples});
         auto reference = farfield::make_viewer(waiting, reference_renderer);
         progress_.begin("walking through pages", options_.frames);
         std::uint64_t loads = pages.cache_stats().loads;
@@ -159,7 +172,58 @@ class PagedRun {
         result.cache = pages.cache_stats();
     }
 
-    View view(const farfield::Camera& camera) const {
+    static bool is_measured_at(const farfield::SampledErrorTable& table, int samples) {
+        const auto tables = table.tables();
+        return std::any_of(tables.begin(), tables.end(), [&](const auto& at) { return at.samples == samples; });
+    }
+    /// By the table in the file, which is measured first if that is asked for.
+    template <class Pages>
+    void choose(const Pages& pages, const std::vector<farfield::Camera>& cameras, PagedResult& result) {
+        if (!options_.error) return;
+        const farfield::MeasuredWith with{"z-buffer", options_.width, options_.height};
+        if (options_.measures_errors) measure(pages, with, cameras, result);
+        std::optional<farfield::SampledErrorTable> table =
+            result.was_measured ? farfield::kept_error_table(with, pages, std::filesystem::path(result.where))
+                                : farfield::kept_error_table(with, pages);
+        const bool has_samples = table && (!options_.more_samples.empty() || is_measured_at(*table, options_.samples));
+        if (!has_samples) {
+            if (!options_.error_is_asked && options_.more_samples.empty()) return;
+            throw UsageError(result.where + " has no table of errors of " + with.as_text() +
+                             " at these samples, which --error could choose by: --measure puts one into it");
+        }
+        farfield::WantedError wanted = *options_.error;
+        wanted.samples = options_.samples;
+        if (options_.more_samples.empty()) {
+            table = farfield::SampledErrorTable(table->at(options_.samples), options_.samples);
+        }
+        result.choice = table->cheapest_for(wanted);
+    }
+    template <class Pages>
+    void measure(const Pages& pages, const farfield::MeasuredWith& with, const std::vector<farfield::Camera>& cameras,
+                 PagedResult& result) {
+        if (is_address(result.where)) throw UsageError("--measure puts a table into a file, not to an address");
+        const std::size_t count = std::min<std::size_t>(cameras.size(), 8);
+        std::vector<View> views;
+        for (std::size_t i = 0; i < count; ++i) {
+            views.push_back(view_of(cameras[(2 * i + 1) * cameras.size() / (2 * count)]));
+        }
+        farfield::HierarchyErrorOptions how;
+        how.tolerances_px = farfield::tolerance_ladder(0.5f, 4);  // coarser ones are blocks that an eye tells apart
+        how.seconds = 0.1;
+        std::vector<int> samples{1, 4, 16};
+        if (std::find(samples.begin(), samples.end(), options_.samples) == samples.end()) {
+            samples.push_back(options_.samples);
+            std::sort(samples.begin(), samples.end());
+        }
+        progress_.begin("measuring what tolerances and samples err by and cost");
+        const auto renderer_of = [](int n) { return farfield::ZBufferRenderer({.samples = n}); };
+        const farfield::SampledErrorTable table =
+            farfield::measure_sampled_error_table(pages, pages.primitives(), samples, renderer_of, views, how);
+        farfield::keep_error_table(table, with, pages, std::filesystem::path(result.where));
+        result.was_measured = true;
+    }
+
+    View view_of(const farfield::Camera& camera) const {
         return {.camera = camera,
                 .width = options_.width,
                 .height = options_.height,
@@ -192,8 +256,15 @@ void print(std::ostream& out, const PagedResult& r) {
         << std::fixed << std::setprecision(1) << "first image after " << r.first_ms << " ms (opened in " << r.open_ms
         << "), "
         << (r.whole_ms ? "nothing missing after " + std::to_string(long(*r.whole_ms)) + " ms\n"
-                       : std::string("and not whole within 10 s: give it more --cache, or time\n"))
-        << std::left << std::setw(36) << "" << std::right << std::setw(10) << "median" << std::setw(10) << "most"
+                       : std::string("and not whole within 10 s: give it more --cache, or time\n"));
+    if (r.choice) {
+        out << "by the table in the file, measured " << (r.was_measured ? "now: " : "before: ")
+            << words(Choice{*r.choice, false}, true) << std::setprecision(4) << ", RMSE "
+            << r.choice->tolerance.trial.rmse << " over objects, " << std::setprecision(2) << r.choice->cost
+            << " times what exact costs at the fewest samples\n"
+            << std::setprecision(1);
+    }
+    out << std::left << std::setw(36) << "" << std::right << std::setw(10) << "median" << std::setw(10) << "most"
         << "\n";
     line("frame", median(r.frame_ms), most(r.frame_ms), "ms");
     line("pages loaded a frame", median(r.loads), most(r.loads), "");
@@ -207,11 +278,15 @@ void print(std::ostream& out, const PagedResult& r) {
 }
 
 void write_json(const std::filesystem::path& file, const PagedResult& r) {
-    const nlohmann::json json{
+    using Json = nlohmann::json;
+    const Json json{
         {"scene",
          {{"name", r.where}, {"primitives", r.primitives}, {"triangles", r.primitives}, {"bytes", r.file_bytes}}},
         {"variants",
          {{{"name", r.variant},
+           {"tolerance_px", r.choice ? Json(r.choice->tolerance.trial.tolerance_px) : Json(nullptr)},
+           {"samples", r.choice ? Json(r.choice->samples) : Json(nullptr)},
+           {"expected_rmse", r.choice ? Json(r.choice->tolerance.trial.rmse) : Json(nullptr)},
            {"frame_ms",
             {{"first", r.first_ms},
              {"median", median(r.frame_ms)},
@@ -237,7 +312,6 @@ bool is_paged(const std::string& scene) {
 
 void walk_pages(std::ostream& out, const Options& options) {
     PagedResult result;
-    if (!options.more_samples.empty()) throw UsageError("--samples auto is for scenes that are not in pages");
     try {
         PagedRun run(options);
         if (is_address(options.scene)) {

@@ -40,7 +40,6 @@ struct MeasuredErrors {
     farfield::SampledErrorTable by_tolerance;  ///< by the tolerance alone
     farfield::SampledErrorTable wanted;        ///< and by what is expected of each cell
     double exact_ms = 0;                       ///< mean of exact's frames in this run, at the fewest samples
-    bool was_kept = false;                     ///< measured by an earlier run, at least one of the two
 
     /// Of the two the one that costs less. Point sampling is exact at the fewest samples.
     Choice choice_for(farfield::WantedError error) const;
@@ -67,6 +66,9 @@ struct Result {
     std::optional<CoverageCells> coverage;  ///< none of other renderers
     Errors errors;
 };
+
+/// The tolerance, or exact and why; with samples where they are chosen, too.
+std::string words(const Choice& choice, bool tells_samples);
 
 double mean(const std::vector<double>& values);
 double median(std::vector<double> values);

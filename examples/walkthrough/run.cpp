@@ -10,7 +10,6 @@
 #include "farfield/build.hpp"
 #include "farfield/measure/image_error.hpp"
 #include "farfield/measure/projected_rect.hpp"
-#include "farfield/tuning/error_table_file.hpp"
 #include "farfield/tuning/sampled_error_table.hpp"
 #include "plain_loop.hpp"
 #include "report/picture.hpp"
@@ -262,16 +261,10 @@ class Run {
         // Coarser ones are blocks that an eye tells apart, though a mean of squares forgives them.
         const farfield::ErrorTableOptions ladder{.tolerances_px = farfield::tolerance_ladder(0.5f, 4), .seconds = 0.1};
         double exact_ms = mean_of_exact_frames();
-        bool was_kept = false;
         std::vector<int> samples{options_.samples};
         samples.insert(samples.end(), options_.more_samples.begin(), options_.more_samples.end());
         std::vector<std::unique_ptr<SceneViewer>> more;  // exact, variant, exact, ...: once they are needed
         const auto table = [&](bool asks_wanted) {
-            const auto file = table_file(result, asks_wanted);
-            if (file && std::filesystem::exists(*file)) {
-                was_kept = true;
-                return read_table(result.build.identity, samples, *file);
-            }
             for (std::size_t i = more.size() / 2; i < options_.more_samples.size(); ++i) {
                 more.push_back(exact_->viewer(renderer(exact_renderer_, options_.more_samples[i])));
                 more.push_back(viewer_of(built, variant, options_.more_samples[i]));
@@ -286,37 +279,11 @@ class Run {
             farfield::SampledErrorTable measured =
                 farfield::measure_sampled_error_table(trials, samples, references_.size(), ladder);
             exact_ms = std::min(exact_ms, trials.exact_ms());
-            if (file) farfield::write_error_table(measured, result.build.identity, *file);
             return measured;
         };
         result.measured = MeasuredErrors{table(false), table(true)};
         result.measured->exact_ms = exact_ms;
-        result.measured->was_kept = was_kept;
         result.choice = result.measured->choice_for(*options_.error);
-    }
-
-    /// A renderer and a number of samples, or several to choose from, have tables of their own. None where none are
-    /// kept.
-    std::optional<std::filesystem::path> table_file(const Result& result, bool asks_wanted) const {
-        if (!options_.table_directory) return std::nullopt;
-        const std::string samples = options_.more_samples.empty() ? std::to_string(options_.samples) : "auto";
-        return *options_.table_directory /
-               (setting_.name + "_" + result.name + "_" + std::string(name_of(options_.renderer)) + "_" + samples +
-                (asks_wanted ? "_wanted" : "") + ".errors");
-    }
-
-    static farfield::SampledErrorTable read_table(const farfield::HierarchyIdentity& identity,
-                                                  const std::vector<int>& samples, const std::filesystem::path& file) {
-        try {
-            farfield::SampledErrorTable table = farfield::read_error_table(identity, file);
-            const auto is_of = [](const farfield::ErrorsAtSamples& at, int count) { return at.samples == count; };
-            if (!std::equal(table.tables().begin(), table.tables().end(), samples.begin(), samples.end(), is_of)) {
-                throw UsageError(file.string() + ": it is of other numbers of samples a pixel than are drawn");
-            }
-            return table;
-        } catch (const std::runtime_error& error) {
-            throw UsageError(error.what());
-        }
     }
 
     double mean_of_exact_frames() const {

@@ -27,29 +27,6 @@ std::string tolerance(float px) {
     return text + " px";
 }
 
-std::string words(const Choice& choice, bool tells_samples) {
-    if (tells_samples) {
-        return words(choice, false) + " at " + std::to_string(choice.samples) +
-               (choice.samples == 1 ? " sample" : " samples");
-    }
-    const std::string px = tolerance(choice.tolerance.trial.tolerance_px) + (choice.asks_wanted ? ", as wanted" : "");
-    switch (choice.tolerance.reason) {
-        case farfield::ToleranceReason::pays:
-            return px;
-        case farfield::ToleranceReason::only_way:
-            return px + " (exact errs more)";
-        case farfield::ToleranceReason::nothing_pays:
-            return "exact (nothing pays)";
-        case farfield::ToleranceReason::nothing_keeps:
-            return "exact (no other keeps it)";
-        case farfield::ToleranceReason::cannot_be_had:
-            return "exact (cannot be had)";
-        case farfield::ToleranceReason::nothing_tried:
-            break;
-    }
-    return "exact (nothing seen)";
-}
-
 /// Two columns more where any row has cells of coverage masks.
 Row row_of(const Result& r, double stored_primitives, bool has_cells, bool tells_samples) {
     Row row{r.name,
@@ -144,14 +121,32 @@ void print_at_equal_error(std::ostream& out, const std::vector<Result>& results,
             << " triangles are drawn, and their time is multiplied";
     }
     out << ".\n";
-    for (const Result& r : results) {
-        if (r.measured && r.measured->was_kept) {
-            out << "What " << r.name << " errs by and costs was measured in an earlier run, over the frames of that.\n";
-        }
-    }
 }
 
 }  // namespace
+
+std::string words(const Choice& choice, bool tells_samples) {
+    if (tells_samples) {
+        return words(choice, false) + " at " + std::to_string(choice.samples) +
+               (choice.samples == 1 ? " sample" : " samples");
+    }
+    const std::string px = tolerance(choice.tolerance.trial.tolerance_px) + (choice.asks_wanted ? ", as wanted" : "");
+    switch (choice.tolerance.reason) {
+        case farfield::ToleranceReason::pays:
+            return px;
+        case farfield::ToleranceReason::only_way:
+            return px + " (exact errs more)";
+        case farfield::ToleranceReason::nothing_pays:
+            return "exact (nothing pays)";
+        case farfield::ToleranceReason::nothing_keeps:
+            return "exact (no other keeps it)";
+        case farfield::ToleranceReason::cannot_be_had:
+            return "exact (cannot be had)";
+        case farfield::ToleranceReason::nothing_tried:
+            break;
+    }
+    return "exact (nothing seen)";
+}
 
 void print_table(std::ostream& out, const Setting& setting, const Options& options,
                  const std::vector<Result>& results) {

@@ -9,7 +9,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "farfield/paging/file_notes.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/storage/notes.hpp"
 #include "farfield/storage/save.hpp"
 #include "fuzz/fuzz.hpp"
 #include "fuzz/input.hpp"
@@ -19,14 +21,26 @@
 namespace farfield::fuzz {
 namespace {
 
+/// The checksum of what follows the hierarchy agrees, too.
+Bytes with_sealed_notes(Bytes bytes) {
+    const std::uint64_t end = header_of(bytes).file_bytes;
+    detail::NotesHeader notes;
+    if (end > bytes.size() || bytes.size() - end < sizeof notes) return bytes;
+    std::memcpy(&notes, bytes.data() + end, sizeof notes);
+    notes.checksum = notes.checksum_with(std::as_bytes(std::span(bytes)).subspan(std::size_t(end) + sizeof notes));
+    std::memcpy(bytes.data() + end, &notes, sizeof notes);
+    return bytes;
+}
+
 /// A stored hierarchy of some triangles, its bytes changed as the input says. What changes seals it again may agree.
 template <class Hierarchy>
 void open_changed(Input& in) {
     static const std::vector<Triangle> triangles = scene(60);
     static const Bytes stored = [] {
         const auto h = built<Hierarchy>(triangles);
-        std::vector<std::byte> bytes(std::size_t(saved_size(h)));
-        save(h, std::span(bytes));
+        const Notes notes{{"a", "1 2 3"}, {"b", ""}};
+        std::vector<std::byte> bytes(std::size_t(saved_size(h, notes)));
+        save(h, std::span(bytes), notes);
         const auto* chars = reinterpret_cast<const char*>(bytes.data());
         return Bytes(chars, chars + bytes.size());
     }();
@@ -35,9 +49,10 @@ void open_changed(Input& in) {
     const bool verifies = in.below(2) == 0;
     if (in.one_in(16)) bytes.resize(in.bits() % (bytes.size() + 1));
     while (!in.is_empty() && !bytes.empty()) {
-        // Half of all changes in the header, which says what the rest means.
-        const std::size_t range = in.below(2) ? bytes.size() : std::min(bytes.size(), sizeof(detail::FileHeader));
-        const std::size_t at = in.bits() % range;
+        // Half of all changes in the header, which says what the rest means, and some at the end, where notes are.
+        const std::size_t part = in.below(2) ? bytes.size() : std::min(bytes.size(), sizeof(detail::FileHeader));
+        const std::size_t most = std::min<std::size_t>(part, in.one_in(8) ? 80 : part);
+        const std::size_t at = in.bits() % most + (part == bytes.size() ? part - most : 0);
         switch (in.below(4)) {
             case 0:
                 bytes[at] = char(in.byte());
@@ -57,9 +72,10 @@ void open_changed(Input& in) {
             }
         }
     }
-    if (is_sealed && bytes.size() >= sizeof(detail::FileHeader)) bytes = sealed(std::move(bytes));
+    if (is_sealed && bytes.size() >= sizeof(detail::FileHeader)) bytes = with_sealed_notes(sealed(std::move(bytes)));
     try {
         const auto opened = open<Hierarchy>(std::as_bytes(std::span(bytes)), {.verify_checksums = verifies});
+        read_notes(std::as_bytes(std::span(bytes)));
         pictures(opened, triangles, 16);
         if constexpr (DrawableWith<Hierarchy, Triangle, CoverageRenderer>) {
             CoverageRenderer renderer;

@@ -19,6 +19,10 @@
 #include "farfield/partition/polygon_bsp.hpp"
 #include "farfield/primitive/instance.hpp"
 #include "farfield/renderer/coverage_renderer.hpp"
+#include "farfield/renderer/z_buffer_renderer.hpp"
+#include "farfield/tuning/error_table.hpp"
+#include "farfield/tuning/sampled_error_table.hpp"
+#include "farfield/tuning/tuned_viewer.hpp"
 #include "farfield/viewer.hpp"
 #include "scenes/renderers/coverage_tilers.hpp"
 #include "support/allocations.hpp"
@@ -192,6 +196,29 @@ TEST_CASE("frames within a budget do not allocate") {
     const auto draw_all = [&] {
         for (const View& view : views) {
             viewer.frame(view, FrameBudget{.prices = FramePrices::of_primitives(), .most = 2000}, refinement);
+        }
+    };
+    draw_all();
+    draw_all();
+    const std::size_t before = allocations().count;
+    draw_all();
+    CHECK(allocations().count == before);
+}
+
+TEST_CASE("frames of errors that change, by a table, do not allocate") {
+    using Cubes = SpatialHierarchy<Octree, ColorCube, TriangleCount>;
+    const Triangles triangles = random_triangles(4000, 122, 0.02f);
+    const Cubes h = build<Cubes>(triangles);
+    const std::vector<View> views = path();
+    const SampledErrorTable table(
+        {{1, 1, ErrorTable({{0, 0.08, 1}, {2, 0.1, 0.2}})}, {4, 3, ErrorTable({{0, 0.005, 1}, {1, 0.01, 0.5}})}});
+    auto viewer = make_tuned_viewer(h, triangles, table, [](int n) { return ZBufferRenderer({.samples = n}); });
+    const auto draw_all = [&] {
+        for (View view : views) {
+            for (const double rmse : {0.1, 0.01, 0.0}) {
+                view.wanted.rmse = rmse;
+                viewer.frame(view);
+            }
         }
     };
     draw_all();

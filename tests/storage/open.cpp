@@ -290,6 +290,38 @@ TEMPLATE_TEST_CASE("what was saved to memory is opened from there", "", OctreeOf
     }
 }
 
+TEMPLATE_TEST_CASE("a hierarchy with notes is that without, and whoever changes a byte of them is found", "",
+                   OctreeOfCubes, HalvesOfPooledCubes, ExactBsp) {
+    const TemporaryDirectory directory;
+    const Notes notes{{"errors", "0 1 2"}, {"who", ""}};
+    const auto h = built<TestType>(scene(40));
+    save(h, directory / "without");
+    save(h, directory / "with", notes);
+    const Bytes without = read_file(directory / "without"), with = read_file(directory / "with");
+    const std::size_t end = without.size();
+    REQUIRE(std::equal(without.begin(), without.end(), with.begin()));
+    require_same(open<TestType>(directory / "with"), h);
+    Notes back;
+    CHECK(wrong_notes(std::as_bytes(std::span(with)).subspan(end), back).empty());
+    CHECK(back == notes);
+    std::vector<std::byte> memory(saved_size(h, notes));
+    save(h, std::span(memory), notes);
+    CHECK(std::memcmp(memory.data(), with.data(), with.size()) == 0);
+    require_same(open<TestType>(std::span<const std::byte>(memory)), h);
+    for (std::size_t i = end; i < with.size(); ++i) {
+        Bytes changed = with;
+        changed[i] = char(changed[i] ^ (1 << i % 8));
+        const bool is_magic = i < end + notes_magic.size();
+        CAPTURE(i - end);
+        for (const bool verify : {true, false}) {
+            const std::string why = refused<TestType>(directory, changed, {.verify_checksums = verify});
+            CHECK(why.rfind(is_magic ? "is too long: " : "", 0) == 0);
+            CHECK_FALSE(why.empty());
+            CHECK((is_magic || why.find("notes") != std::string::npos));
+        }
+    }
+}
+
 TEST_CASE("memory that is handed over lives as long as a copy of the hierarchy") {
     const auto triangles = scene(300);
     const auto h = built<OctreeOfCubes>(triangles);

@@ -10,6 +10,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "farfield/primitive/triangle.hpp"
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/sampler/grid_sampler.hpp"
+#include "farfield/tuning/sampled_error_table.hpp"
 #include "farfield/view/local_view.hpp"
 #include "support/recorder.hpp"
 
@@ -70,6 +72,8 @@ class AnyHierarchy {
     virtual float cost(const Work& work) const = 0;
     /// Arrays that do not depend on the scene's scale: all but node data and vertices of fragments.
     virtual std::vector<std::byte> bytes() const = 0;
+    /// What a table becomes that is saved with it to memory, and read for the hierarchy that is opened from there.
+    virtual std::optional<SampledErrorTable> stored(const SampledErrorTable& table) const = 0;
     /// Saved to memory and opened from there, which it keeps.
     virtual std::unique_ptr<AnyHierarchy> stored() const = 0;
     virtual std::unique_ptr<AnyViewer> viewer(ZBufferRenderer& renderer) const = 0;

@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <tuple>
@@ -10,9 +11,12 @@
 #include <vector>
 
 #include "farfield/build.hpp"
+#include "farfield/paging/file_notes.hpp"
 #include "farfield/spatial_hierarchy.hpp"
+#include "farfield/storage/notes.hpp"
 #include "farfield/storage/open.hpp"
 #include "farfield/storage/save.hpp"
+#include "farfield/tuning/kept_error_table.hpp"
 #include "farfield/viewer.hpp"
 #include "support/triples.hpp"
 #include "support/variants.hpp"
@@ -88,6 +92,15 @@ class HierarchyOver final : public AnyHierarchy {
         if constexpr (!std::is_empty_v<typename H::stand_in_data>) add(hierarchy_.stand_ins());
         if constexpr (!std::is_empty_v<typename H::pool_element>) add(hierarchy_.pool());
         return out;
+    }
+    std::optional<SampledErrorTable> stored(const SampledErrorTable& table) const override {
+        const MeasuredWith with{"z-buffer", 64, 64};
+        Notes notes;
+        keep_error_table(table, with, hierarchy_, notes);
+        std::vector<std::byte> bytes(saved_size(hierarchy_, notes));
+        save(hierarchy_, std::span(bytes), notes);
+        const std::span<const std::byte> saved(bytes);
+        return kept_error_table(with, open<H>(saved), read_notes(saved));
     }
     std::unique_ptr<AnyHierarchy> stored() const override {
         static_assert(Storable<H>, "every variant that the library offers can be saved");

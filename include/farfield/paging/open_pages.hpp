@@ -27,11 +27,17 @@
 #include "farfield/paging/page_format.hpp"
 #include "farfield/paging/page_source.hpp"
 #include "farfield/paging/paged_hierarchy.hpp"
+#include "farfield/storage/notes.hpp"
 #include "farfield/storage/open.hpp"
 
 namespace farfield {
 
 namespace detail {
+
+inline std::string wrong_size_of_pages(const char* what, const PageFileHeader& header, std::uint64_t file_bytes) {
+    return std::string(what) + ": it has " + std::to_string(file_bytes) + " bytes and should have " +
+           std::to_string(header.file_bytes);
+}
 
 /// The reason to refuse the header of a file of pages; empty if H and P are what it holds.
 template <class H, class P>
@@ -76,11 +82,15 @@ std::string wrong_page_file(std::span<const std::byte> bytes, PageFileHeader& he
         !is_portal(header.root) || portal_of(header.root).page != 0) {
         return "is damaged: its pages cannot lie where it says";
     }
-    if (header.file_bytes != file_bytes) {
-        return std::string(header.file_bytes > file_bytes ? "is truncated" : "is too long") + ": it has " +
-               std::to_string(file_bytes) + " bytes and should have " + std::to_string(header.file_bytes);
-    }
+    if (header.file_bytes > file_bytes) return wrong_size_of_pages("is truncated", header, file_bytes);
     return {};
+}
+
+/// The reason to refuse what follows the pages; empty if it is notes. There are `file_bytes` in all.
+inline std::string wrong_notes_of_pages(std::span<const std::byte> rest, const PageFileHeader& header,
+                                        std::uint64_t file_bytes, Notes& notes) {
+    if (may_be_notes(rest) && file_bytes - header.file_bytes == rest.size()) return wrong_notes(rest, notes);
+    return wrong_size_of_pages("is too long", header, file_bytes);
 }
 
 }  // namespace detail
@@ -96,9 +106,9 @@ bool holds_pages_of(S& source) {
 }
 
 /// Opens a file of pages from any source, which the result and its copies share; `where` names it in messages. H and P
-/// are what it was made of. Reads its header and first page. A source that can be canceled is when the last copy goes.
-/// Throws std::runtime_error if anything is wrong with them;
-/// std::invalid_argument if the options leave no room for two pages.
+/// are what it was made of. Reads its header, notes and first page. A source that can be canceled is when the last copy
+/// goes. Throws std::runtime_error if anything is wrong with them; std::invalid_argument if the options leave no room
+/// for two pages.
 template <Pageable H, PageablePrimitive P, PageSource S>
 PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string& where,
                                    const PageCacheOptions& options = {}) {
@@ -119,6 +129,11 @@ PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string&
     detail::PageFileHeader& header = file->header;
     refuse_if(detail::wrong_page_file<H, P>(read(0, std::size_t(std::min<std::uint64_t>(size, sizeof header))), header,
                                             size));
+    if (size > header.file_bytes) {
+        const std::uint64_t behind = std::min(size - header.file_bytes, detail::most_note_bytes);
+        refuse_if(
+            detail::wrong_notes_of_pages(read(header.file_bytes, std::size_t(behind)), header, size, file->notes));
+    }
     const std::vector<std::byte> rest = read(sizeof header, std::size_t(header.first_page - sizeof header));
     std::span<const std::byte> options_left(rest);
     const auto policy = [&](auto& to) {

@@ -21,14 +21,15 @@
 #include "farfield/paging/page_source.hpp"
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/mapped_file.hpp"
+#include "farfield/storage/notes.hpp"
 #include "farfield/storage/save.hpp"
 
 namespace farfield {
 
 /// Packs a file of pages into another, or into itself, on the executor's threads; whichever file was there is replaced
-/// when the new one is whole. The same file and codec give the same bytes. It takes memory for 32 pages, twice. Throws
-/// std::runtime_error that names the file which is no file of pages, or cannot be read or written; pages themselves are
-/// not looked at.
+/// when the new one is whole. Notes are kept. The same file and codec give the same bytes. It takes memory for 32
+/// pages, twice. Throws std::runtime_error that names the file which is no file of pages, or cannot be read or written;
+/// pages themselves are not looked at.
 template <PageCodec C>
 void pack_pages(const C& codec, const std::filesystem::path& from, const std::filesystem::path& to,
                 const AnyExecutor& executor = {}) {
@@ -44,11 +45,19 @@ void pack_pages(const C& codec, const std::filesystem::path& from, const std::fi
     read(0, std::as_writable_bytes(std::span(&plain, 1)));
     if (plain.magic != detail::page_file_magic || plain.page_bytes == 0 || plain.page_bytes > detail::most_page_bytes ||
         plain.first_page < sizeof plain || plain.first_page > detail::most_page_bytes || plain.page_count == 0 ||
-        in.size() != plain.first_page + std::uint64_t(plain.page_count) * plain.page_bytes) {
+        plain.file_bytes != plain.first_page + std::uint64_t(plain.page_count) * plain.page_bytes ||
+        in.size() < plain.file_bytes) {
         refuse("is no file of pages, or not whole");
     }
     std::vector<std::byte> head(std::size_t(plain.first_page));
     read(0, head);
+    if (in.size() - plain.file_bytes > detail::most_note_bytes) refuse("is too long");
+    std::vector<std::byte> notes(std::size_t(in.size() - plain.file_bytes));
+    read(plain.file_bytes, notes);
+    if (!notes.empty()) {
+        Notes unused;
+        if (const std::string why = detail::wrong_notes(notes, unused); !why.empty()) refuse(why);
+    }
 
     constexpr std::uint32_t pages_at_once = 32;
     const std::size_t page_bytes = plain.page_bytes;
@@ -84,7 +93,8 @@ void pack_pages(const C& codec, const std::filesystem::path& from, const std::fi
     header.page_bytes = plain.page_bytes;
     header.page_count = plain.page_count;
     header.first_page = plain.first_page;
-    header.unpacked_bytes = in.size();
+    header.note_bytes = std::uint32_t(notes.size());
+    header.unpacked_bytes = plain.file_bytes;
     header.checksum = header.checksum_of_header();
     detail::ReplacingFile out(to);
     out.write(std::as_bytes(std::span(&header, 1)));
@@ -93,6 +103,7 @@ void pack_pages(const C& codec, const std::filesystem::path& from, const std::fi
     out.write(std::as_bytes(std::span(sizes)));
     const std::uint64_t checksum = detail::Xxh64::of(std::as_bytes(std::span(sizes)));
     out.write(std::as_bytes(std::span(&checksum, 1)));
+    out.write(notes);
     out.replace_target();
 }
 

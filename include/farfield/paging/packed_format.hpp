@@ -8,6 +8,7 @@
 //     72      the file's first bytes, up to its first page, as they are
 //             pages, as stored, one after the other
 //             the stored size of each in 32 bits, and the XXH64 of these sizes
+//             notes, as they are behind the pages of what was packed, if there are any
 //
 // The checksum of a page is that of its unpacked bytes, which is looked at whenever one is loaded; there is no other of
 // what is stored. So a codec is trusted as little as the disk: whatever it makes of damaged bytes is no page.
@@ -27,6 +28,7 @@
 #include "farfield/paging/page_format.hpp"
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/file_format.hpp"
+#include "farfield/storage/notes.hpp"
 
 namespace farfield {
 
@@ -54,15 +56,15 @@ struct PackedFileHeader {
     std::uint32_t codec = 0;
     std::uint32_t page_bytes = 0;
     std::uint32_t page_count = 0;
-    std::uint32_t spare = 0;
+    std::uint32_t note_bytes = 0;
     std::array<char, 16> codec_name{};  ///< for messages of those who have another
     std::uint64_t first_page = 0;       ///< where page 0 begins in what was packed
-    std::uint64_t unpacked_bytes = 0;
-    std::uint64_t checksum = 0;  ///< XXH64 of all bytes of the header before it
+    std::uint64_t unpacked_bytes = 0;   ///< without notes
+    std::uint64_t checksum = 0;         ///< XXH64 of all bytes of the header before it
 
     std::uint64_t first_stored_page() const { return sizeof(PackedFileHeader) + first_page; }
     std::uint64_t bytes_behind_pages() const {
-        return page_count * std::uint64_t(sizeof(std::uint32_t)) + sizeof(std::uint64_t);
+        return page_count * std::uint64_t(sizeof(std::uint32_t)) + sizeof(std::uint64_t) + note_bytes;
     }
     std::uint64_t checksum_of_header() const {
         return Xxh64::of(std::as_bytes(std::span(this, 1)).first(offsetof(PackedFileHeader, checksum)));
@@ -94,7 +96,7 @@ inline const char* wrong_packed_file(std::span<const std::byte> bytes, std::uint
     if (header.version != packed_file_version) return "has another format version: make it again";
     if (header.checksum != header.checksum_of_header()) return "is damaged: the checksum of its header is wrong";
     if (header.page_bytes == 0 || header.page_bytes > most_page_bytes || header.page_count == 0 ||
-        header.first_page > most_page_bytes ||
+        header.first_page > most_page_bytes || header.note_bytes > most_note_bytes ||
         header.unpacked_bytes != header.first_page + std::uint64_t(header.page_count) * header.page_bytes ||
         header.first_page < sizeof(PageFileHeader)) {
         return "is damaged: its pages cannot lie where it says";

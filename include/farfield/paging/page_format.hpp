@@ -10,6 +10,7 @@
 //
 //     0        PageFileHeader, then the options of partition, approximation and cost model as their numbers
 //     4096 n   page 0, with the root's unit, and all others, `page_bytes` each, level by level
+//              notes (storage/notes.hpp), if there are any
 //
 //     a page   PageHeader, 64 bytes
 //              nodes: a root of each unit, one more that says where the last one's items end, the blocks of siblings
@@ -73,8 +74,8 @@ struct PageFileHeader {
     std::uint32_t page_count = 0;
     std::uint32_t level_count = 0;  ///< of nodes, the root's included
     std::uint64_t first_page = 0;   ///< where page 0 begins
-    std::uint64_t file_bytes = 0;
-    std::uint64_t node_count = 0;  ///< in the tree
+    std::uint64_t file_bytes = 0;   ///< where the last page ends
+    std::uint64_t node_count = 0;   ///< in the tree
     HierarchyFacts facts;
     Node root;                              ///< a portal
     std::uint64_t checksum_of_options = 0;  ///< XXH64

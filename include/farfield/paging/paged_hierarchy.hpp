@@ -29,6 +29,7 @@
 #include "farfield/paging/page_format.hpp"
 #include "farfield/paging/page_source.hpp"
 #include "farfield/paging/page_user.hpp"
+#include "farfield/storage/notes.hpp"
 
 namespace farfield {
 
@@ -63,7 +64,9 @@ class PagedHierarchy {
     std::uint64_t fingerprint() const { return facts().fingerprint; }
     std::uint64_t node_count() const { return file_->header.node_count; }
     const Work& whole_work() const { return facts().work; }
-    /// Bytes of the file.
+    /// What is said of it in its file.
+    const Notes& notes() const { return file_->notes; }
+    /// Bytes of the file, without notes.
     std::uint64_t bytes() const { return file_->header.file_bytes; }
     std::uint32_t page_count() const { return file_->header.page_count; }
     std::uint32_t page_bytes() const { return file_->header.page_bytes; }
@@ -175,6 +178,7 @@ class PagedHierarchy {
         partition_type partition{};
         approximation_type approximation{};
         cost_model_type cost{};
+        Notes notes;
         std::shared_ptr<detail::PageCache> cache;
     };
     explicit PagedHierarchy(std::shared_ptr<const File> file) : file_(std::move(file)), user_(file_->cache) {}

@@ -104,7 +104,7 @@ class UnpackedPages {
         }
     }
 
-    std::uint64_t size() const noexcept { return header_.unpacked_bytes; }
+    std::uint64_t size() const noexcept { return header_.unpacked_bytes + header_.note_bytes; }
     ReadMerging merging() const noexcept { return std::as_const(*packed_).merging(); }
     /// That the sizes take, and buffers for as many reads as are made at once.
     std::uint64_t memory_bytes() const noexcept {
@@ -126,6 +126,14 @@ class UnpackedPages {
             if (result.status != ReadStatus::done) return result;
             offset += in_head.size();
             bytes = bytes.subspan(in_head.size());
+        }
+        if (offset + bytes.size() > header_.unpacked_bytes) {
+            const auto in_notes = bytes.last(
+                std::size_t(std::min<std::uint64_t>(bytes.size(), offset + bytes.size() - header_.unpacked_bytes)));
+            const std::uint64_t from_end = size() - (offset + bytes.size() - in_notes.size());
+            const ReadResult result = packed_->read(packed_->size() - from_end, in_notes);
+            if (result.status != ReadStatus::done) return result;
+            bytes = bytes.first(bytes.size() - in_notes.size());
         }
         if (bytes.empty()) return {};
         ReadResult result;

@@ -16,6 +16,7 @@
 #include "farfield/paging/page_file_head.hpp"
 #include "farfield/paging/page_forest.hpp"
 #include "farfield/paging/page_format.hpp"
+#include "farfield/storage/notes.hpp"
 #include "farfield/storage/save.hpp"
 
 namespace farfield {
@@ -24,6 +25,7 @@ struct PageOptions {
     /// Bytes of a page, more or less: less by up to the common multiple of the sizes of its records, more if what one
     /// node holds by itself needs it.
     std::uint32_t page_bytes = 65536;
+    Notes notes{};  ///< that go into the file
 };
 
 namespace detail {
@@ -36,6 +38,7 @@ void write_pages(const H& hierarchy, std::span<const P> primitives, const PageOp
                                     std::to_string(hierarchy.primitive_count()) + " primitives and is given " +
                                     std::to_string(primitives.size()));
     }
+    const std::vector<std::byte> notes = bytes_of_notes(options.notes);
     PageForest<H, P> pages({{&hierarchy, primitives}}, options.page_bytes);
     if (!pages.fits()) {
         fail<std::invalid_argument>("farfield::save_pages: one cell by itself takes " +
@@ -46,13 +49,14 @@ void write_pages(const H& hierarchy, std::span<const P> primitives, const PageOp
         hierarchy.partition_policy(), hierarchy.approximation_policy(), hierarchy.cost_policy(), hierarchy.facts(),
         pages.root_of(0), pages.page_bytes(), pages.page_count(), pages.level_count())));
     pages.write(hierarchy.fingerprint(), write);
+    if (!notes.empty()) write(std::span<const std::byte>(notes));
 }
 
 }  // namespace detail
 
-/// Writes beside `path` and renames, as save() does. Equal hierarchies give equal files. Throws std::invalid_argument
-/// for other primitives than the hierarchy was built from, or if one node alone holds more than 64 MiB;
-/// std::runtime_error that names the file if it cannot be written.
+/// Writes beside `path` and renames, as save() does. Equal hierarchies and notes give equal files. Throws
+/// std::invalid_argument for other primitives than the hierarchy was built from, or if one node alone holds more than
+/// 64 MiB; std::runtime_error that names the file if it cannot be written.
 template <Pageable H, PageablePrimitive P>
 void save_pages(const H& hierarchy, std::span<const P> primitives, const std::filesystem::path& path,
                 const PageOptions& options = {}) {

@@ -4,7 +4,8 @@
 // wrote them, which `byte_order` tells; a machine of the other order refuses the file.
 //
 //     0    FileHeader, 664 bytes
-//     704  sections, each at the next multiple of 64 bytes; bytes between them are 0; nothing follows the last
+//     704  sections, each at the next multiple of 64 bytes; bytes between them are 0; only notes (storage/notes.hpp)
+//          follow the last, or nothing
 //
 //     section                 records                               bytes a record
 //     partition_options       1, or 0 if the policy is empty        its numbers (storage/fields.hpp), no padding
@@ -158,7 +159,7 @@ struct FileHeader {
     std::uint32_t partition_tag = 0;
     std::uint32_t approximation_tag = 0;
     std::uint32_t cost_tag = 0;
-    std::uint64_t file_bytes = 0;
+    std::uint64_t file_bytes = 0;  ///< where the last section ends
     std::array<SectionEntry, section_count> sections{};
     HierarchyFacts facts;
     std::uint64_t checksum = 0;  ///< XXH64 of all bytes of the header before it

@@ -19,6 +19,7 @@
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/file_format.hpp"
 #include "farfield/storage/mapped_file.hpp"
+#include "farfield/storage/notes.hpp"
 #include "farfield/storage/soundness.hpp"
 
 namespace farfield {
@@ -67,6 +68,13 @@ inline std::string wrong_header(std::span<const std::byte> bytes, FileHeader& he
         return "is damaged: the checksum of its header is wrong";
     }
     return header.header_bytes == sizeof header ? "" : "is damaged: its header has another size";
+}
+
+/// The reason to refuse what follows the hierarchy; empty if nothing does, or notes. Others are too long.
+inline std::string wrong_rest(std::span<const std::byte> bytes, const FileHeader& header, Notes& notes) {
+    if (header.file_bytes >= bytes.size()) return "";
+    const auto rest = bytes.subspan(std::size_t(header.file_bytes));
+    return may_be_notes(rest) ? wrong_notes(rest, notes) : "";
 }
 
 /// The reason to refuse the sections; empty if they lie in the file as save() lays them.
@@ -133,7 +141,10 @@ H open_bytes(const FileBytes& file, const std::filesystem::path& where, const Op
     refuse_tag_if("partition", Partition_::facts.file_tag, header.partition_tag);
     refuse_tag_if("approximation", A::facts.file_tag, header.approximation_tag);
     refuse_tag_if("cost model", C::file_tag, header.cost_tag);
-    refuse_if(wrong_sections(file.bytes, header, record_bytes<H>(), options.verify_checksums));
+    Notes notes;
+    refuse_if(wrong_rest(file.bytes, header, notes));
+    const auto hierarchy = notes.empty() ? file.bytes : file.bytes.first(std::size_t(header.file_bytes));
+    refuse_if(wrong_sections(hierarchy, header, record_bytes<H>(), options.verify_checksums));
 
     const auto section = [&](Section s) -> const SectionEntry& { return header.sections[std::size_t(s)]; };
     Partition_ partition{};

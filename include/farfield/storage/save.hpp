@@ -23,6 +23,7 @@
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/file_format.hpp"
 #include "farfield/storage/mapped_file.hpp"
+#include "farfield/storage/notes.hpp"
 #include "farfield/storage/soundness.hpp"
 
 namespace farfield {
@@ -82,16 +83,17 @@ class ReplacingFile {
     bool is_done_ = false;
 };
 
-/// The bytes that save() writes: a header and sections, which are the hierarchy's own arrays. Throws std::runtime_error
-/// that names `where` if the hierarchy cannot be stored.
+/// The bytes that save() writes: a header and sections, which are the hierarchy's own arrays, and notes. Throws
+/// std::runtime_error that names `where` if the hierarchy cannot be stored.
 template <Storable H>
 class FileContents {
   public:
-    FileContents(const H& hierarchy, const std::filesystem::path& where)
+    FileContents(const H& hierarchy, const Notes& notes, const std::filesystem::path& where)
         : partition_(bytes_of(hierarchy.partition_policy())),
           approximation_(
               bytes_of<stored_approximation_of<typename H::approximation_type>>(hierarchy.approximation_policy())),
-          cost_(bytes_of(hierarchy.cost_policy())) {
+          cost_(bytes_of(hierarchy.cost_policy())),
+          notes_(bytes_of_notes(notes)) {
         const auto& arrays = hierarchy.arrays();
         if (const char* why =
                 unsound<H>(hierarchy.partition_policy(), hierarchy.approximation_policy(), hierarchy.facts(), arrays)) {
@@ -121,7 +123,7 @@ class FileContents {
         header_.checksum = Xxh64::of(std::as_bytes(std::span(&header_, 1)).first(offsetof(FileHeader, checksum)));
     }
 
-    std::size_t size() const { return std::size_t(header_.file_bytes); }
+    std::size_t size() const { return std::size_t(header_.file_bytes) + notes_.size(); }
 
     /// Calls write(bytes) with all parts of the file, in order.
     template <class Write>
@@ -135,6 +137,7 @@ class FileContents {
             write(sections_[i]);
             at = header_.sections[i].offset + sections_[i].size();
         }
+        if (!notes_.empty()) write(std::span<const std::byte>(notes_));
     }
 
   private:
@@ -143,7 +146,7 @@ class FileContents {
         return std::is_empty_v<T> ? std::span<const std::byte>() : std::as_bytes(records);
     }
 
-    std::vector<std::byte> partition_, approximation_, cost_;
+    std::vector<std::byte> partition_, approximation_, cost_, notes_;
     FileHeader header_;
     std::array<std::span<const std::byte>, section_count> sections_;
 };
@@ -151,11 +154,11 @@ class FileContents {
 }  // namespace detail
 
 /// Writes beside `path` and renames, so that there is the old file or the whole new one, never a part. Programs that
-/// have the old one open keep it. Equal hierarchies give equal files. Throws std::runtime_error that names the file and
-/// the reason; nothing is left behind then.
+/// have the old one open keep it. Equal hierarchies and notes give equal files. Throws std::runtime_error that names
+/// the file and the reason; nothing is left behind then.
 template <Storable H>
-void save(const H& hierarchy, const std::filesystem::path& path) {
-    const detail::FileContents<H> contents(hierarchy, path);
+void save(const H& hierarchy, const std::filesystem::path& path, const Notes& notes = {}) {
+    const detail::FileContents<H> contents(hierarchy, notes, path);
     detail::ReplacingFile file(path);
     contents.write([&](std::span<const std::byte> bytes) { file.write(bytes); });
     file.replace_target();
@@ -163,14 +166,15 @@ void save(const H& hierarchy, const std::filesystem::path& path) {
 
 /// The number of bytes that save() writes.
 template <Storable H>
-std::size_t saved_size(const H& hierarchy) {
-    return detail::FileContents<H>(hierarchy, "memory").size();
+std::size_t saved_size(const H& hierarchy, const Notes& notes = {}) {
+    return detail::FileContents<H>(hierarchy, notes, "memory").size();
 }
 
-/// Writes the bytes of the file to memory. Throws std::invalid_argument unless that has saved_size(hierarchy) bytes.
+/// Writes the bytes of the file to memory. Throws std::invalid_argument unless that has saved_size(hierarchy, notes)
+/// bytes.
 template <Storable H>
-void save(const H& hierarchy, std::span<std::byte> memory) {
-    const detail::FileContents<H> contents(hierarchy, "memory");
+void save(const H& hierarchy, std::span<std::byte> memory, const Notes& notes = {}) {
+    const detail::FileContents<H> contents(hierarchy, notes, "memory");
     if (memory.size() != contents.size()) {
         detail::fail<std::invalid_argument>("farfield::save: the hierarchy takes " + std::to_string(contents.size()) +
                                             " bytes and is given " + std::to_string(memory.size()));

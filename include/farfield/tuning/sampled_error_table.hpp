@@ -11,7 +11,6 @@
 
 #include "farfield/settings.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -91,19 +90,24 @@ class SampledErrorTable {
     /// ErrorTable::tolerance_for().
     SampleChoice cheapest_for(WantedError wanted = {}) const {
         const double largest = wanted.rmse ? *wanted.rmse : at(wanted.samples).exact_rmse();
-        std::vector<SampleChoice> choices;
-        for (const ErrorsAtSamples& t : tables_) {
+        const auto choice_of = [&](const ErrorsAtSamples& t) -> SampleChoice {
             const ToleranceChoice c = t.table.tolerance_for({.rmse = largest});
-            choices.push_back({t.samples, c, c.trial.cost * t.exact_cost / tables_.front().exact_cost});
-        }
-        // Of nothing even times are not known: they are noise.
-        if (choices.front().tolerance.reason == ToleranceReason::nothing_tried) return choices.front();
-        return *std::min_element(choices.begin(), choices.end(), [](const SampleChoice& a, const SampleChoice& b) {
+            return {t.samples, c, c.trial.cost * t.exact_cost / tables_.front().exact_cost};
+        };
+        const auto is_better = [](const SampleChoice& a, const SampleChoice& b) {
             const bool a_keeps = a.tolerance.keeps_error(), b_keeps = b.tolerance.keeps_error();
             if (a_keeps != b_keeps) return a_keeps;
             if (a_keeps) return a.cost < b.cost;
             return a.tolerance.trial.rmse < b.tolerance.trial.rmse;
-        });
+        };
+        SampleChoice best = choice_of(tables_.front());
+        // Of nothing even times are not known: they are noise.
+        if (best.tolerance.reason == ToleranceReason::nothing_tried) return best;
+        for (const ErrorsAtSamples& t : tables_) {
+            const SampleChoice choice = choice_of(t);
+            if (is_better(choice, best)) best = choice;
+        }
+        return best;
     }
 
   private:
