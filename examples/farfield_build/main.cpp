@@ -4,6 +4,8 @@
 //
 // Under MPI (mpirun -np N farfield_build ...) every process builds a share, and the first joins them. Whatever was
 // stopped, or lost with its process, goes on when the same command is given again.
+//
+// Of a model that lies far from zero OUT.farfield.origin says how far, which pages do not (scenes/paged_origin.hpp).
 #include <chrono>
 #include <CLI/CLI.hpp>
 #include <cstdint>
