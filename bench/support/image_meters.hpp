@@ -1,4 +1,4 @@
-// Z-buffers that look at what images do: how far what they show is displaced, and what is shaded anew.
+// A z-buffer that looks at what images do: how far what they show is displaced.
 #pragma once
 
 #include <algorithm>
@@ -153,109 +153,6 @@ class DisplacementMeter : public ZBufferRenderer {
     std::uint64_t random_ = 1;
     float largest_px_ = 0;
     std::uint64_t compared_ = 0;
-};
-
-/// Counts pixels that a renderer with deferred shading would shade: those of a frame in which something other than an
-/// image is seen, and those of each image made in which something is, images in it left out; each by the part of it
-/// that is seen. Its pictures are white where they would be shaded, and black where images are.
-class ShadingMeter : public ZBufferRenderer {
-  public:
-    static constexpr RendererFacts facts = slice_by_slice;
-
-    explicit ShadingMeter(const ZBufferOptions& options = {}) : ZBufferRenderer(options), making_(options) {}
-
-    double shaded_px() const { return shaded_px_; }
-
-    template <PrimitiveWithPolygons P>
-    std::uint32_t upload(const Source<P>& source) {
-        uploaded_.push_back({upload_as(*this, source, white), upload_as(*this, source, black),
-                             upload_as(static_cast<ZBufferRenderer&>(making_), source, white)});
-        return std::uint32_t(uploaded_.size() - 1);
-    }
-    void release(std::uint32_t id) {
-        ZBufferRenderer::release(uploaded_[id].white);
-        ZBufferRenderer::release(uploaded_[id].black);
-        making_.release(uploaded_[id].in_image);
-    }
-    void set_view(const LocalView& view) {
-        ZBufferRenderer::set_view(view);
-        if (makes_image_) making_.set_view(view);
-    }
-    void end_frame() {
-        ZBufferRenderer::end_frame();
-        for (const Rgba8 c : image().pixels()) shaded_px_ += double(c.r) / 255;
-    }
-    template <class P>
-    void draw(const Source<P>& source, std::span<const Range> ranges) {
-        const Uploaded& ids = uploaded_[source.id];
-        Source<P> colored = source;
-        colored.id = makes_image_ ? ids.black : ids.white;
-        ZBufferRenderer::draw(colored, ranges);
-        if (!makes_image_) return;
-        colored.id = ids.in_image;
-        making_.draw(colored, ranges);
-    }
-    void draw(std::span<const Face> faces) {
-        if (makes_image_) making_.draw(in(white, faces));
-        ZBufferRenderer::draw(in(makes_image_ ? black : white, faces));
-    }
-    void draw(std::span<const Splat> splats) {
-        if (makes_image_) making_.draw(in(white, splats));
-        ZBufferRenderer::draw(in(makes_image_ ? black : white, splats));
-    }
-    void draw(std::span<const ImageQuad> quads) { ZBufferRenderer::draw(quads); }
-    void begin_image(const LocalView& view, float quad_depth, int samples) {
-        ZBufferRenderer::begin_image(view, quad_depth, samples);
-        makes_image_ = true;
-        making_.begin_frame(view);
-    }
-    std::uint32_t end_image() {
-        makes_image_ = false;
-        making_.end_frame();
-        for (const Rgba8 c : making_.image().pixels()) shaded_px_ += double(c.a) / 255;
-        return ZBufferRenderer::end_image();
-    }
-
-  private:
-    static constexpr Rgba8 white{255, 255, 255, 255}, black{0, 0, 0, 255};
-    struct Uploaded {
-        std::uint32_t white, black, in_image;
-    };
-    /// A position of a source, in another color.
-    template <class P>
-    struct Painted {
-        const Source<P>* source;
-        std::uint32_t position;
-        Rgba8 color;
-        Box bounds() const { return Box::empty(); }  // renderers do not ask
-        template <class Sink>
-        void polygons(Sink&& sink) const {
-            source->polygons(position, [&](const Polygon& p) { sink(Polygon{p.vertices, {&color, 1}, p.is_lit}); });
-        }
-    };
-    template <class P>
-    static std::uint32_t upload_as(ZBufferRenderer& renderer, const Source<P>& source, Rgba8 color) {
-        std::vector<Painted<P>> items;
-        for (std::uint32_t i = 0; i < source.item_count; ++i) items.push_back({&source, i, color});
-        return renderer.ZBufferRenderer::upload(Source<Painted<P>>{items, {}, source.item_count});
-    }
-    std::span<const Face> in(Rgba8 color, std::span<const Face> faces) {
-        faces_.assign(faces.begin(), faces.end());
-        for (Face& f : faces_) f.rgba.r = f.rgba.g = f.rgba.b = color.r != 0 ? f.rgba.a : std::uint8_t(0);
-        return faces_;
-    }
-    std::span<const Splat> in(Rgba8 color, std::span<const Splat> splats) {
-        splats_.assign(splats.begin(), splats.end());
-        for (Splat& s : splats_) s.rgb = {color.r, color.g, color.b, s.rgb.a};
-        return splats_;
-    }
-
-    ZBufferRenderer making_;
-    bool makes_image_ = false;
-    std::vector<Uploaded> uploaded_;
-    std::vector<Face> faces_;
-    std::vector<Splat> splats_;
-    double shaded_px_ = 0;
 };
 
 }  // namespace farfield::bench

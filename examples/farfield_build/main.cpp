@@ -4,6 +4,8 @@
 //
 // Under MPI (mpirun -np N farfield_build ...) every process builds a share, and the first joins them. Whatever was
 // stopped, or lost with its process, goes on when the same command is given again.
+//
+// Of a model that lies far from zero OUT.farfield.origin says how far, which pages do not (scenes/paged_origin.hpp).
 #include <chrono>
 #include <CLI/CLI.hpp>
 #include <cstdint>
@@ -36,6 +38,7 @@
 #include "large_blocks.hpp"
 #include "report/progress.hpp"
 #include "scene_stream.hpp"
+#include "scenes/paged_origin.hpp"
 #include "scenes/paged_variants.hpp"
 
 namespace {
@@ -138,19 +141,19 @@ void build(const Request& request, const Processes& processes) {
         return pack(request);
     }
     keep_memory_that_was_freed();
-    const farfield::scenes::TriangleStream stream = [&] {
+    const farfield::scenes::SceneStream scene = [&] {
         // What a model's file holds is not to need the memory that the build may take.
         const farfield::scenes::LargeBlocksInFiles files(std::filesystem::absolute(request.out).parent_path());
         return farfield::scenes::scene_stream(request.scene);
     }();
-    if (!request.share.empty()) {
-        return farfield::build_page_share<H, P>(stream, request.out, parse_share(request.share), options);
-    }
-    const auto count = std::uint32_t(processes.count);
-    farfield::build_page_share<H, P>(stream, request.out, {std::uint32_t(processes.index), count}, options);
+    farfield::PageShare share{std::uint32_t(processes.index), std::uint32_t(processes.count)};
+    if (!request.share.empty()) share = parse_share(request.share);
+    if (share.index == 0) farfield::scenes::keep_origin(request.out, scene.origin);
+    farfield::build_page_share<H, P>(scene.triangles, request.out, share, options);
+    if (!request.share.empty()) return;
     processes.wait_for_all();
     if (processes.index != 0) return;
-    farfield::join_page_shares<H, P>(request.out, count, options);
+    farfield::join_page_shares<H, P>(request.out, share.count, options);
     pack(request);
 }
 

@@ -97,18 +97,20 @@ TriangleStream landscape_stream(std::uint64_t triangles) {
 
 }  // namespace
 
-TriangleStream scene_stream(const std::string& name) {
+SceneStream scene_stream(const std::string& name) {
     const auto colon = name.find(':');
     const std::string kind = name.substr(0, colon);
     if (colon != std::string::npos && kind == "chessboard")
-        return chessboard_stream(parse_count(name.substr(colon + 1)));
-    if (colon != std::string::npos && kind == "landscape") return landscape_stream(parse_count(name.substr(colon + 1)));
+        return {chessboard_stream(parse_count(name.substr(colon + 1)))};
+    if (colon != std::string::npos && kind == "landscape")
+        return {landscape_stream(parse_count(name.substr(colon + 1)))};
     auto loaded = load(name);
     // Most are one group already, which may be too large to be had twice.
     const auto scene = std::make_shared<Scene>(loaded.groups.size() > 1 ? expanded(loaded) : std::move(loaded));
-    return [scene](const std::function<void(const PagedPrimitive&)>& take) {
+    const auto triangles = [scene](const std::function<void(const PagedPrimitive&)>& take) {
         for (const VertexColoredTriangle& t : scene->groups.back().triangles) take(t);
     };
+    return {triangles, scene->origin};
 }
 
 }  // namespace farfield::scenes

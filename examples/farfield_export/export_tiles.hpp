@@ -9,6 +9,9 @@
 // in a parallel view in which one unit is one pixel. A viewer divides it by the distance to the tile's box, which holds
 // the box of every cell that stands in; so its errorTarget (maximumScreenSpaceError) is an upper bound of what
 // View::tolerance_px bounds.
+//
+// Coordinates of contents and boxes are the hierarchy's, in single precision; how far from zero these lie is said in
+// double precision, by the root's `transform`.
 #pragma once
 
 #include <algorithm>
@@ -52,6 +55,8 @@ struct ExportOptions {
     bool adds_points = true;
     /// Tiles that one JSON file holds, more or less; others lie in files of their own that a viewer loads as it goes.
     std::size_t tiles_in_file = 512;
+    /// What is to be added to the primitives' coordinates, as scenes far from zero leave it out (Scene::origin).
+    glm::dvec3 origin{0};
     GaussianOptions gaussian{};
 };
 
@@ -90,13 +95,16 @@ class TilesetExport {
         }
     }
 
-    /// Throws std::invalid_argument if there is nothing to export, std::runtime_error if a page is missing, and what
-    /// storing throws.
+    /// Throws std::invalid_argument if there is nothing to export or the origin is not finite, std::runtime_error if a
+    /// page is missing, and what storing throws.
     ExportReport run() {
         path_.clear();
+        const glm::dvec3 o = options_.origin + hierarchy_.origin();
+        if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z))
+            throw std::invalid_argument("farfield_export: the scene's origin is not finite");
         std::optional<Tile> root = adds ? sampled_tile() : replaced_tile();
         if (!root) throw std::invalid_argument("farfield_export: the scene is empty");
-        if (const glm::dvec3 o = hierarchy_.origin(); o != glm::dvec3(0)) {
+        if (o != glm::dvec3(0)) {
             root->json["transform"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, o.x, -o.z, o.y, 1};
         }
         store_tileset("tileset", *root);

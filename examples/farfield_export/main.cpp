@@ -13,6 +13,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <glm/vec3.hpp>
 #include <ios>
 #include <iostream>
 #include <memory>
@@ -31,6 +32,7 @@
 #include "pictures.hpp"
 #include "scenes/catalog.hpp"
 #include "scenes/load/load.hpp"
+#include "scenes/paged_origin.hpp"
 #include "scenes/paged_variants.hpp"
 #include "scenes/scene.hpp"
 
@@ -79,11 +81,12 @@ void report(const farfield_export::ExportReport& r, std::uint64_t primitives, co
 
 /// All triangles at 64 samples a pixel, and what frames within a pixel draw at 16.
 template <class H>
-void draw(const H& hierarchy, const std::vector<PagedPrimitive>& primitives, const std::filesystem::path& folder) {
+void draw(const H& hierarchy, const std::vector<PagedPrimitive>& primitives, glm::dvec3 origin,
+          const std::filesystem::path& folder) {
     const auto& bounds = hierarchy.bounds();
     const auto views = farfield_export::views_of(
         {glm::dvec3(bounds.lower) + hierarchy.origin(), glm::dvec3(bounds.upper) + hierarchy.origin()});
-    write_file(folder / "views.json", farfield_export::json_of(views));
+    write_file(folder / "views.json", farfield_export::json_of(views, origin));
     for (const auto& [name, view] : views) {
         for (const bool is_exact : {true, false}) {
             farfield::ZBufferRenderer renderer({.samples = is_exact ? 64 : 16});
@@ -108,11 +111,12 @@ void export_scene(const Request& request) {
     std::vector<PagedPrimitive>& primitives = scene.groups.back().triangles;
     if (primitives.empty()) throw std::invalid_argument(request.scene + ": there is nothing to export");
     const H hierarchy = farfield::build_in_place<H>(primitives, {});
+    farfield_export::ExportOptions options = request.options;
+    options.origin = scene.origin;
     const Times times;
-    const auto written =
-        farfield_export::export_tiles(hierarchy, primitives, storing_in(request.folder), request.options);
+    const auto written = farfield_export::export_tiles(hierarchy, primitives, storing_in(request.folder), options);
     report(written, primitives.size(), times);
-    if (request.draws) draw(hierarchy, primitives, request.folder);
+    if (request.draws) draw(hierarchy, primitives, scene.origin, request.folder);
 }
 
 /// False if the file is of another variant.
@@ -123,8 +127,10 @@ bool export_pages(const Request& request) {
     farfield::PageCacheOptions cache;
     cache.most_bytes = std::size_t(request.memory_mib << 20);
     auto pages = farfield::open_pages<H, PagedPrimitive>(request.scene, cache);
+    farfield_export::ExportOptions options = request.options;
+    options.origin = farfield::scenes::kept_origin(request.scene);
     const Times times;
-    const auto written = farfield_export::export_tiles(pages, storing_in(request.folder), request.options);
+    const auto written = farfield_export::export_tiles(pages, storing_in(request.folder), options);
     report(written, pages.primitive_count(), times);
     return true;
 }

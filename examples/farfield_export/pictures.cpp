@@ -31,14 +31,14 @@ std::vector<NamedView> views_of(const farfield::BoxD& box) {
             from("near", 0.9 * radius)};
 }
 
-std::string json_of(const std::vector<NamedView>& views) {
+std::string json_of(const std::vector<NamedView>& views, glm::dvec3 origin) {
     nlohmann::json out = nlohmann::json::array();
     for (const auto& [name, view] : views) {
         const farfield::Camera& c = view.camera;
         const auto numbers = [](auto v) { return nlohmann::json{double(v.x), double(v.y), double(v.z)}; };
         out.push_back({{"name", name},
-                       {"eye", numbers(c.eye)},
-                       {"target", numbers(c.eye + glm::dvec3(c.forward))},
+                       {"eye", numbers(c.eye + origin)},
+                       {"target", numbers(c.eye + origin + glm::dvec3(c.forward))},
                        {"up", numbers(c.up)},
                        {"fov", 2 * std::atan(double(c.half_height))},
                        {"width", view.width},

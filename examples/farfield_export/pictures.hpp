@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,8 @@ struct NamedView {
 /// `whole`, and `near`, from beside it. They are drawn within a tolerance of one pixel.
 std::vector<NamedView> views_of(const farfield::BoxD& box);
 
-/// What the page makes cameras from.
-std::string json_of(const std::vector<NamedView>& views);
+/// What the page makes cameras from: the same from eyes that lie farther from zero by `origin`.
+std::string json_of(const std::vector<NamedView>& views, glm::dvec3 origin);
 
 /// PAM (netpbm's P7) with opacities, colors premultiplied. Both throw std::runtime_error that names the file.
 void write_pam(const farfield::Image& image, const std::filesystem::path& file);

@@ -37,14 +37,26 @@ std::array<std::uint16_t, 4> linear_color(Rgba8 c) {
     return {table[c.r], table[c.g], table[c.b], std::uint16_t(c.a * 257)};
 }
 
+/// What is subtracted from vertices: a number in their range, so that all numbers are multiples of one unit in the last
+/// place and none of the differences is rounded.
+glm::vec3 translation_of(const farfield::Box& box) {
+    glm::vec3 out(0);
+    for (int axis = 0; axis < 3; ++axis) {
+        const float lower = box.lower[axis], upper = box.upper[axis];
+        if (std::max(std::abs(lower), std::abs(upper)) > 16 * (upper - lower)) out[axis] = lower;
+    }
+    return out;
+}
+
 /// The parts of a file, as they come.
 class GlbWriter {
   public:
-    explicit GlbWriter(const TileContent& content) {
+    explicit GlbWriter(const TileContent& content) : translation_(translation_of(content.bounds())) {
         gltf_["asset"] = {{"version", "2.0"}, {"generator", "farfield_export"}};
         gltf_["scene"] = 0;
         gltf_["scenes"] = {{{"nodes", {0}}}};
         gltf_["nodes"] = {{{"mesh", 0}}};
+        if (const glm::vec3 t = translation_; t != glm::vec3(0)) gltf_["nodes"][0]["translation"] = {t.x, t.y, t.z};
         add_mesh(content.surfaces, /*double_sided=*/true);
         add_mesh(content.faces, /*double_sided=*/false);
         if (!content.points.empty()) {
@@ -99,8 +111,10 @@ class GlbWriter {
         return int(gltf_["accessors"].size()) - 1;
     }
     /// With the bounds that glTF wants of positions.
-    int add_positions(std::span<const glm::vec3> positions) {
-        const int at = add_accessor(positions, "VEC3", of_float);
+    int add_positions(std::span<const glm::vec3> in_tile) {
+        std::vector<glm::vec3> positions(in_tile.begin(), in_tile.end());
+        for (glm::vec3& p : positions) p -= translation_;
+        const int at = add_accessor(std::span<const glm::vec3>(positions), "VEC3", of_float);
         glm::vec3 lower = positions.front(), upper = lower;
         for (const glm::vec3& p : positions) {
             lower = glm::min(lower, p);
@@ -162,6 +176,7 @@ class GlbWriter {
             {"KHR_gaussian_splatting", {{"kernel", "ellipse"}, {"colorSpace", "srgb_rec709_display"}}}};
     }
 
+    glm::vec3 translation_;
     json gltf_, primitives_ = json::array(), extensions_ = json::array();
     std::string binary_;
     bool uses_unlit_ = false;

@@ -40,7 +40,9 @@ struct TileContent {
 
 /// glTF 2.0 as one binary file: a mesh with a primitive for each kind that there is. Triangles and points have
 /// KHR_materials_unlit, since light is in the colors; splats KHR_gaussian_splatting, whose fallback is points.
-/// Coordinates are those of the content: what is up there is up in glTF if it is y. Equal contents give equal bytes.
+/// Coordinates are those of the content: what is up there is up in glTF if it is y. Of contents that lie far from zero,
+/// more than 16 times their extent along an axis, the node has the translation and vertices the rest, without rounding:
+/// viewers add up transforms in double precision, and transform vertices in single. Equal contents give equal bytes.
 std::string glb_of(const TileContent& content);
 
 }  // namespace farfield_export

@@ -10,6 +10,10 @@ const query = new URLSearchParams(location.search);
 const folder = query.get('tileset') ?? 'opacity-tensor';
 const views = await fetch(`${folder}/views.json`).then(r => r.ok ? r.json() : []).catch(() => []);
 const view = views.find(v => v.name === query.get('view'));
+// A scene that lies far from zero, as its root's transform says, is shown around zero: GPUs count in single precision.
+const { root } = await fetch(`${folder}/tileset.json`).then(r => r.json());
+const [x, y, z] = root.transform?.slice(12, 15) ?? [0, 0, 0];
+const origin = new Vector3(x, z, -y);
 
 const renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
 renderer.toneMapping = NoToneMapping;
@@ -25,6 +29,7 @@ scene.add(splats);
 const tiles = new TilesRenderer(`${folder}/tileset.json`);
 tiles.errorTarget = Number(query.get('error') ?? 1);
 tiles.group.rotation.x = -Math.PI / 2;  // up is z in tiles and y in farfield's scenes
+tiles.group.position.copy(origin).negate();
 tiles.setCamera(camera);
 scene.add(tiles.group);
 tiles.group.updateMatrixWorld(true);
@@ -80,8 +85,8 @@ function placeCamera() {
     if (isPlaced || !tiles.getBoundingSphere(sphere)) return;
     isPlaced = true;
     sphere.center.applyMatrix4(tiles.group.matrixWorld);
-    const eye = view ? new Vector3(...view.eye) : sphere.center.clone().add(new Vector3(0.55, 0.35, 0.76).normalize().multiplyScalar(1.6 * sphere.radius));
-    const target = view ? new Vector3(...view.target) : sphere.center;
+    const eye = view ? new Vector3(...view.eye).sub(origin) : sphere.center.clone().add(new Vector3(0.55, 0.35, 0.76).normalize().multiplyScalar(1.6 * sphere.radius));
+    const target = view ? new Vector3(...view.target).sub(origin) : sphere.center;
     if (view) camera.fov = view.fov * 180 / Math.PI;
     const distance = eye.distanceTo(sphere.center);
     camera.near = Math.max(distance - 2 * sphere.radius, 0.001 * sphere.radius);

@@ -10,6 +10,7 @@
 #include <new>
 #include <span>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
@@ -76,6 +77,21 @@ class FailingRenderer {
     ZBufferRenderer inner_;
 };
 
+/// Images have red and blue changed.
+class ShadesImages : public ZBufferRenderer {
+  public:
+    static constexpr RendererFacts facts = slice_by_slice;
+    using ZBufferRenderer::ZBufferRenderer;
+    void begin_image(const LocalView& view, float depth, int samples) {
+        ZBufferRenderer::begin_image(view, depth, samples);
+    }
+    std::uint32_t end_image() {
+        return end_shaded_image([](Image& image) {
+            for (Rgba8& c : image.pixels()) std::swap(c.r, c.b);
+        });
+    }
+};
+
 }  // namespace
 
 TEST_CASE("a hierarchy that caches images wants a renderer that keeps them", "[image_cache]") {
@@ -114,6 +130,28 @@ TEMPLATE_TEST_CASE("standing still makes images once, and no pixel changes", "[i
         CHECK(stats.images == first.images);
         CHECK(walk.image() == image);
     }
+}
+
+TEST_CASE("a renderer may shade an image before it is kept", "[image_cache]") {
+    Walk<ShadesImages> walk({.least_items = 64, .most_overhead = 4}, free_images());
+    const View view = seen_from({0, 0, 0});
+    CHECK(walk.frame(view).images_made > 0);
+    const Image& exact = walk.exact(view);
+    int covered = 0, shaded = 0, other = 0;
+    for (std::size_t i = 0; i < exact.pixels().size(); ++i) {
+        const Rgba8 seen = walk.image().pixels()[i], was = exact.pixels()[i];
+        if (was == Rgba8{90, 120, 160, 255}) continue;
+        ++covered;
+        if (seen == Rgba8{was.b, was.g, was.r, was.a}) {
+            ++shaded;
+        } else {
+            other += seen != was;
+        }
+    }
+    // A triangle at the edge of an image may win a pixel that another had.
+    CHECK(covered > 500);
+    CHECK(shaded > covered / 2);
+    CHECK(other < covered / 50);
 }
 
 TEST_CASE("whatever a frame may make, a viewer that stands still soon makes no more", "[image_cache]") {

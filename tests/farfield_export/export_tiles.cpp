@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 #include <random>
 #include <stdexcept>
@@ -123,6 +124,33 @@ void check_rules(const Files& files, const std::vector<PagedPrimitive>& primitiv
 
 constexpr std::size_t small_tile = 200;
 
+/// Of the root's transform, in glTF's axes.
+glm::dvec3 translation_of(const Files& files) {
+    const auto root = nlohmann::json::parse(files.at("tileset.json"))["root"];
+    if (!root.contains("transform")) return glm::dvec3(0);
+    const auto m = root["transform"].get<std::array<double, 16>>();
+    for (std::size_t i = 0; i < 16; ++i) {
+        if (i < 12 || i == 15) CHECK(m[i] == (i % 5 == 0 ? 1 : 0));
+    }
+    return {m[12], m[14], -m[13]};
+}
+
+/// In double precision, as surveys have it.
+struct SurveyedTriangle {
+    std::array<glm::dvec3, 3> vertices;
+    farfield::Rgba8 color;
+
+    BoxD bounds() const {
+        BoxD box = BoxD::empty();
+        for (const glm::dvec3& v : vertices) box.add(v);
+        return box;
+    }
+    template <class Sink>
+    void polygons(Sink&& sink) const {
+        sink(farfield::PolygonD{vertices, {&color, 1}});
+    }
+};
+
 /// What a viewer shows of a tileset: refined until an error of a pixel at most is left.
 void show(const ReadTile& tile, glm::dvec3 eye, double focal_px, bool adds, std::vector<const ReadTile*>& shown) {
     const double distance = glm::length(glm::max(glm::abs(tile.box.center() - eye) - tile.box.size() * 0.5, 0.0));
@@ -229,14 +257,99 @@ TEST_CASE("an error target in pixels keeps what a tolerance keeps") {
     CHECK(seen > 100);
 }
 
-TEST_CASE("a scene far from zero keeps its place in a transform") {
-    auto primitives = leaves(50);
-    Files files;
-    const auto hierarchy = farfield::build_in_place<Tensors>(primitives, {});
-    export_tiles(hierarchy, primitives, into(files));
-    CHECK(files.size() == 2);
+TEMPLATE_TEST_CASE("a scene far from zero keeps its place in a transform", "", Tensors, Cubes, Samples) {
+    auto primitives = leaves(3000);
+    const auto hierarchy = farfield::build_in_place<TestType>(primitives, {});
     CHECK(hierarchy.origin() == glm::dvec3(0));
-    CHECK(!nlohmann::json::parse(files.at("tileset.json"))["root"].contains("transform"));
+    ExportOptions options{.tile_size = small_tile, .sample_levels = 2, .tiles_in_file = 4};
+    Files here, there;
+    export_tiles(hierarchy, primitives, into(here), options);
+    CHECK(translation_of(here) == glm::dvec3(0));
+    // Which single precision does not have.
+    options.origin = {500'000.125, 210.7, 5'400'000.3};
+    export_tiles(hierarchy, primitives, into(there), options);
+    CHECK(translation_of(there) == options.origin);
+    // That is all: tiles are what they were.
+    REQUIRE(here.size() > 8);
+    REQUIRE(there.size() == here.size());
+    for (const auto& [name, bytes] : here) {
+        if (name != "tileset.json") CHECK(there.at(name) == bytes);
+    }
+    check_rules(there, primitives, TestType::approximation_type::facts.samples_primitives);
+    for (const double no : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+        options.origin.y = no;
+        Files none;
+        CHECK_THROWS_AS(export_tiles(hierarchy, primitives, into(none), options), std::invalid_argument);
+        CHECK(none.empty());
+    }
+}
+
+TEMPLATE_TEST_CASE("primitives in double precision keep their place to the last digit that matters", "", Tensors, Cubes,
+                   Samples) {
+    const glm::dvec3 away(500'000.125, 210.7, 5'400'000.3);
+    const auto near_zero = leaves(1000);
+    std::vector<SurveyedTriangle> primitives;
+    std::vector<glm::dvec3> vertices;
+    for (const PagedPrimitive& p : near_zero) {
+        SurveyedTriangle& t = primitives.emplace_back();
+        for (std::size_t i = 0; i < 3; ++i) t.vertices[i] = away + glm::dvec3(p.vertices[i]);
+        t.color = p.rgba[0];
+        vertices.insert(vertices.end(), t.vertices.begin(), t.vertices.end());
+    }
+    const auto hierarchy = farfield::build_in_place<TestType>(primitives, {});
+    // Half of it in the primitives, half in what a loader has left out.
+    const glm::dvec3 more(0, 0, 1e7);
+    Files files;
+    ExportOptions options{.tile_size = small_tile, .sample_levels = 2};
+    options.origin = more;
+    export_tiles(hierarchy, primitives, into(files), options);
+    const glm::dvec3 origin = translation_of(files);
+    CHECK(origin == hierarchy.origin() + more);
+    std::size_t triangles = 0;
+    double farthest = 0;
+    for_each_tile(read_tileset(files), [&](const ReadTile& tile) {
+        if (tile.content.empty() || !(TestType::approximation_type::facts.samples_primitives || tile.children.empty()))
+            return;
+        std::vector<Corners> found;
+        add_surfaces(Glb(files.at(tile.content)), found);
+        for (const Corners& c : found) {
+            ++triangles;
+            for (std::size_t i = 0; i < 9; i += 3) {
+                const glm::dvec3 at = origin - more + glm::dvec3(c[i], c[i + 1], c[i + 2]);
+                double nearest = 1e300;
+                for (const glm::dvec3& v : vertices) nearest = std::min(nearest, glm::length(v - at));
+                farthest = std::max(farthest, nearest);
+            }
+        }
+    });
+    CHECK(triangles == primitives.size());
+    // Half a unit in the last place of coordinates around 1, three times; 0.5 where they were around 5,400,000.
+    CHECK(farthest < 3e-7);
+}
+
+TEMPLATE_TEST_CASE("contents far from zero in single precision are vertices near zero and a translation", "", Tensors,
+                   Cubes, Samples) {
+    const glm::vec3 away(500'000, -210, 5'400'000);
+    auto primitives = leaves(3000);
+    for (PagedPrimitive& p : primitives) {
+        for (glm::vec3& v : p.vertices) v = v * 1000.0f + away;
+    }
+    const auto hierarchy = farfield::build_in_place<TestType>(primitives, {});
+    Files files;
+    export_tiles(hierarchy, primitives, into(files), {.tile_size = small_tile, .sample_levels = 2});
+    check_rules(files, primitives, TestType::approximation_type::facts.samples_primitives);
+    for_each_tile(read_tileset(files), [&](const ReadTile& tile) {
+        if (tile.content.empty()) return;
+        const Glb glb(files.at(tile.content));
+        for (const auto& accessor : glb.json["accessors"]) {
+            if (!accessor.contains("min")) continue;
+            for (const char* bound : {"min", "max"}) {
+                const auto at = accessor[bound].get<std::array<double, 3>>();
+                CHECK(std::abs(at[0]) <= tile.box.size().x * 1.001);
+                CHECK(std::abs(at[2]) <= tile.box.size().z * 1.001);
+            }
+        }
+    });
 }
 
 TEST_CASE("what is empty is refused, and what is degenerate is exported") {

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "farfield/geometry/box.hpp"
@@ -36,7 +37,7 @@ class Glb {
         binary_ = bytes.substr(at + 8, word(bytes, at));
         demand(binary_.size() == json["buffers"][0]["byteLength"].get<std::size_t>(), "buffer");
     }
-    /// Of all primitives of that mode, with splats or without.
+    /// Of all primitives of that mode, with splats or without; positions where the node puts them.
     template <class V>
     std::vector<V> attribute(int mode, const std::string& name, bool of_splats = false) const {
         std::vector<V> out;
@@ -49,7 +50,18 @@ class Glb {
             out.resize(out.size() + count);
             std::memcpy(out.data() + out.size() - count, binary_.data() + offset, bytes);
         }
+        if constexpr (std::is_same_v<V, glm::vec3>) {
+            if (const glm::vec3 t = translation(); name == "POSITION" && t != glm::vec3(0)) {
+                for (V& v : out) v += t;
+            }
+        }
         return out;
+    }
+    glm::vec3 translation() const {
+        const auto& node = json["nodes"][0];
+        if (!node.contains("translation")) return glm::vec3(0);
+        const auto t = node["translation"].get<std::array<double, 3>>();
+        return {float(t[0]), float(t[1]), float(t[2])};
     }
     std::vector<glm::vec3> triangles() const { return attribute<glm::vec3>(4, "POSITION"); }
 

@@ -73,7 +73,7 @@ tested_by(build build/build_progress)
 tested_by(approximation/color_cube/cube_lanes approximation/placed/placed_splats)
 tested_by(frame/kept_images frame/cell_image)
 tested_by(frame/image_maker frame/image_choice)
-tested_by(approximation/image_cache image_cache_options frame/image_chooser raster/samples/image_fill
+tested_by(approximation/image_cache image_cache_options raster/samples/image_fill
           raster/samples/sliced_buffers)
 tested_by(build/cell_splitter build/build_node build/cell_decision build/small_subtrees)
 tested_by(build/move_up build/sample_race)

@@ -102,6 +102,23 @@ TEST_CASE("the origin is zero as long as single precision is fine enough there",
     }
 }
 
+TEST_CASE("atoms or points that are all at one place have an origin there, for they have an extent", "[scenes][load]") {
+    using scenes::detail::origin_of_centers;
+    CHECK(origin_of_centers({{5e6, 5e6, 5e6}, {5e6, 5e6, 5e6}}) == glm::dvec3(5e6));
+    CHECK(origin_of_centers({{5, 5, 5}, {5, 5, 5}}) == glm::dvec3(0.0));
+    CHECK(origin_of_centers({{99, 0, -101}, {101, 1, -99}}) == glm::dvec3(100, 0, -100));
+    CHECK(origin_of_centers(BoxD::empty()) == glm::dvec3(0.0));
+    const TemporaryDirectory directory;
+    for (const char* point : {"1\nnone\nC 5000000.5 0 0\n", "2\nnone\nC 5000000.5 0 0\nC 5000000.5 0 0\n"}) {
+        const Scene scene = load(directory.write("a.xyz", point));
+        CHECK(scene.origin == glm::dvec3(5e6, 0, 0));
+        CHECK(bounds(scene).size().x == Approx(bounds(scene).size().y).margin(0.1));
+    }
+    const Scene point = load(directory.write("a.pts", "1\n5000000.5 0 0\n"));
+    CHECK(bounds(point).size().y > 1);
+    CHECK(bounds(point).size().x == Approx(bounds(point).size().y).margin(1e-5));
+}
+
 TEST_CASE("the light on a face does not depend on the unit of the file", "[scenes][load]") {
     const TemporaryDirectory directory;
     const auto cube = [](const std::string& e) {

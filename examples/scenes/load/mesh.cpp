@@ -35,6 +35,14 @@ glm::dvec3 origin_of(const BoxD& box) {
     return origin;
 }
 
+glm::dvec3 origin_of_centers(BoxD centers) {
+    if (!centers.is_empty() && centers.largest_side() == 0) {
+        centers.lower -= 1.0;
+        centers.upper += 1.0;
+    }
+    return origin_of(centers);
+}
+
 glm::vec3 in_single_precision(const glm::dvec3& point, const glm::dvec3& origin, std::string_view kind,
                               std::size_t index) {
     const glm::dvec3 local = point - origin;

@@ -37,6 +37,10 @@ struct Loaded {
 /// a round number away comes out with the same floats. What is left is at most 5.5 sides from zero.
 glm::dvec3 origin_of(const BoxD& box);
 
+/// The same for centers of atoms or of points. Where all are at one place, what is drawn there reaches about 1 around
+/// it.
+glm::dvec3 origin_of_centers(BoxD centers);
+
 /// `point` relative to `origin`. Throws std::runtime_error, "vertex 7 is ...", if it is not finite or farther than
 /// 2^100 from the origin on any axis, the range in which the library draws the same whatever the unit.
 glm::vec3 in_single_precision(const glm::dvec3& point, const glm::dvec3& origin, std::string_view kind,

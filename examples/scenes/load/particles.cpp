@@ -67,7 +67,7 @@ Loaded drawn(Particles particles, const LoadOptions& options) {
     loaded.lit = true;
     loaded.is_closed = true;
     loaded.notes = std::move(particles.notes);
-    loaded.origin = origin_of(box);
+    loaded.origin = origin_of_centers(box);
     check_size(box);
     std::vector<Atom> atoms;
     atoms.reserve(particles.all.size());

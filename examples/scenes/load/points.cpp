@@ -310,7 +310,7 @@ Loaded drawn(Cloud cloud, const LoadOptions& options) {
     BoxD box = BoxD::empty();
     for (const glm::dvec3& place : places) box.add(place);
     check_size(box);
-    loaded.origin = origin_of(without_outliers(std::move(places)));
+    loaded.origin = origin_of_centers(without_outliers(std::move(places)));
     if (cloud.colors.empty()) cloud.colors = grays(cloud.intensities);
     std::vector<Point> points;
     points.reserve(seen);

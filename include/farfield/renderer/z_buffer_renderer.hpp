@@ -88,6 +88,14 @@ class ZBufferRenderer {
         canvas_.begin_image(view, slices, samples);
     }
     std::uint32_t end_image() { return canvas_.end_image(); }
+    /// For renderers that shade pixels and not primitives: shade(Image&) may change colors, premultiplied, of pixels
+    /// that are not transparent, before the image is kept.
+    template <class Shade>
+    std::uint32_t end_shaded_image(Shade&& shade) {
+        std::uint32_t handle = 0;
+        canvas_.end_image({&handle, 1}, shade);
+        return handle;
+    }
     void end_image(std::span<std::uint32_t> handles) { canvas_.end_image(handles); }
     void free_image(std::uint32_t image) { canvas_.free_image(image); }
     std::size_t image_bytes(int width, int height) const { return canvas_.image_bytes(width, height); }

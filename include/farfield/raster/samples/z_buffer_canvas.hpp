@@ -128,6 +128,11 @@ class ZBufferCanvas {
     }
     /// If memory runs out, no image of these is kept.
     void end_image(std::span<std::uint32_t> handles) {
+        end_image(handles, [](Image&) {});
+    }
+    /// The same, after shade(Image&) has changed colors, premultiplied, of pixels that are not transparent.
+    template <class Shade>
+    void end_image(std::span<std::uint32_t> handles, Shade&& shade) {
         std::fill(handles.begin(), handles.end(), 0u);
         struct Unfinished {
             ZBufferCanvas& canvas;
@@ -145,6 +150,7 @@ class ZBufferCanvas {
             handles[i] = std::uint32_t(slot + 1);
             SampleBuffers& buffers = slices_.buffers(i);
             buffers.resolve(targets_[i].image);
+            shade(targets_[i].image);
             keep_image(images_[slot], buffers, targets_[i].image, projection_, targets_[i].quad_depth, slices_.range(i),
                        scratch_);
         }
