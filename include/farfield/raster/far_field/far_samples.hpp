@@ -224,6 +224,16 @@ class FarSamples {
         return touched != 0;
     }
 
+    /// The same of a block's samples, row by row.
+    struct InBlock {
+        std::uint64_t touched;       ///< a bit each; nothing is known of the others
+        const Sample* samples;       ///< where something was deposited, as is the next
+        const float* first_deposit;  ///< q of the first and nearest
+    };
+    InBlock block(std::size_t number) const {
+        return {bits_[number].touched, samples_.get() + number * area, first_deposit_.get() + number * area};
+    }
+
     /// The deposits into a sample, or null if there are none or if geometry that was drawn later, at `depth`, lies in
     /// front of the first.
     const Sample* over(float depth, int x, int y) const {
