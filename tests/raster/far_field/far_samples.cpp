@@ -127,6 +127,22 @@ bool same(const FarSamples::Sample& a, const FarSamples::Sample& b) {
 
 }  // namespace
 
+TEST_CASE("bits of a block are those of its samples inside a rectangle", "[raster]") {
+    Random random(74);
+    for (int i = 0; i < 20000; ++i) {
+        const auto any = [&] { return int(random.below(40)) - 8; };
+        const SampleRect r{any(), any(), any(), any()};
+        const int x = 8 * int(random.below(3)), y = 8 * int(random.below(3));
+        std::uint64_t inside = 0;
+        for (int v = y; v < y + 8; ++v) {
+            for (int u = x; u < x + 8; ++u) {
+                if (u >= r.x0 && u < r.x1 && v >= r.y0 && v < r.y1) inside |= block_bits::of(u, v);
+            }
+        }
+        REQUIRE(block_bits::inside(r, x, y) == inside);
+    }
+}
+
 TEST_CASE("squares of any place and size leave what sixteen exact transmittances a sample do", "[raster]") {
     Random random(60);
     for (int round = 0; round < 60; ++round) {

@@ -17,6 +17,7 @@
 
 #include "farfield/geometry/area_law.hpp"
 #include "farfield/geometry/rgba8.hpp"
+#include "farfield/raster/far_field/block_bits.hpp"
 #include "farfield/raster/far_field/far_sample.hpp"
 #include "farfield/raster/far_field/transmittance_lanes.hpp"
 #include "farfield/raster/sample_rect.hpp"
@@ -33,7 +34,7 @@ class FarSamples {
   public:
     using Sample = FarSample;
     using Deposit = native_lanes::Deposit;
-    static constexpr int log2_side = 3, side = 1 << log2_side, area = side * side;  ///< of a block, as of `depths`
+    static constexpr int log2_side = block_bits::log2_side, side = block_bits::side, area = block_bits::area;
 
   private:
     /// A bit a sample, row by row.
@@ -100,7 +101,7 @@ class FarSamples {
         for (int column = begin >> log2_side; column <= (end - 1) >> log2_side; ++column) {
             const int left = column << log2_side;
             const Block block = block_of(column, y >> log2_side);
-            const std::uint64_t wanted = block.bits.open & bits_between(begin - left, end - 1 - left) << shift;
+            const std::uint64_t wanted = block.bits.open & block_bits::in_row(begin - left, end - 1 - left) << shift;
             if (wanted == 0) continue;
             const std::uint64_t changed = depths.farther_in_row(left, y, wanted, q);
             into_whole(block, changed, deposit, first, [&](int i) { return q(left + (i & (side - 1))); });
@@ -144,7 +145,7 @@ class FarSamples {
     Eight eight(int x, int y) {
         const std::size_t at = index(x, y);
         rect_.add(x, y, std::min(x + 8, width_), y + 1);
-        return {bits_[at / area], &samples_[at], &lanes_[at], &first_deposit_[at], bit_of(x, y)};
+        return {bits_[at / area], &samples_[at], &lanes_[at], &first_deposit_[at], block_bits::of(x, y)};
     }
     /// Deposits a square: each lane of a sample gets its share by overlap, `loss` if it is covered whole. Edges are
     /// rounded to about 1/1000 of a sample, equal ones equally, so that adjoining squares cover nothing twice. The
@@ -157,18 +158,19 @@ class FarSamples {
         if (!at.is_small()) return deposit_large(depths, left, top, right, bottom, q, loss, rgb);
         const SampleRect touched = inside(at.x0, at.y0, at.x1 + 1, at.y1 + 1);
         if (touched.is_empty()) return;
+        if (at.x1 - at.x0 < few && at.y1 - at.y0 < few) return deposit_few(depths, at, touched, q, {loss, rgb});
         const Deposit deposit(loss, rgb);
-        const First first = first_of(deposit);
         const int first_column = left_ - at.x0, first_row = top_ - at.y0;
         const SampleRect whole = inside(at.x0 + !at.starts_at_column(), at.y0 + !at.starts_at_row(),
                                         at.x1 + at.ends_at_column(), at.y1 + at.ends_at_row());
+        const First first = whole.is_empty() ? First{} : first_of(deposit);
         add_to_rect(touched);
         for_blocks(touched, [&](std::size_t number, int x, int y) {
             const Block block = block_at(number);
-            std::uint64_t wanted = block.bits.open & bits_inside(touched, x, y);
+            std::uint64_t wanted = block.bits.open & block_bits::inside(touched, x, y);
             if (wanted == 0) return;
             wanted = depths.farther(x, y, wanted, q);
-            const std::uint64_t inner = wanted & bits_inside(whole, x, y);
+            const std::uint64_t inner = whole.is_empty() ? 0 : wanted & block_bits::inside(whole, x, y);
             if (inner != 0) into_whole(block, inner, deposit, first, [q](int) { return q; });
             for (std::uint64_t left_over = wanted & ~inner; left_over != 0;) {
                 const int row = std::countr_zero(left_over) >> log2_side;
@@ -193,9 +195,9 @@ class FarSamples {
         const int i = int(x) - left_, j = int(y) - top_;
         if (i < 0 || j < 0 || i >= width_ || j >= height_) return;
         const Block block = block_of(i >> log2_side, j >> log2_side);
-        if ((block.bits.open & bit_of(i, j)) == 0 || q <= depths.depth(i, j)) return;
+        if ((block.bits.open & block_bits::of(i, j)) == 0 || q <= depths.depth(i, j)) return;
         add_to_rect({i, j, i + 1, j + 1});
-        const int at = within(i, j);
+        const int at = block_bits::number_of(i, j);
         block.split(at, q);
         const int column = int((x - float(int(x))) * float(lanes::side));
         const int line = int((y - float(int(y))) * float(lanes::side));
@@ -205,7 +207,7 @@ class FarSamples {
         }
     }
 
-    bool is_open(int x, int y) const { return (bits_at(x, y).open & bit_of(x, y)) != 0; }
+    bool is_open(int x, int y) const { return (bits_at(x, y).open & block_bits::of(x, y)) != 0; }
 
     /// What lies behind this changes nothing in a sample that has geometry at `depth`.
     float settled_behind(float depth, int x, int y) const {
@@ -214,12 +216,12 @@ class FarSamples {
 
     /// Whether something was deposited into a sample, or into one of a square of `size` x `size`, at most 8, from it
     /// on.
-    bool is_touched(int x, int y) const { return (bits_at(x, y).touched & bit_of(x, y)) != 0; }
+    bool is_touched(int x, int y) const { return (bits_at(x, y).touched & block_bits::of(x, y)) != 0; }
     bool is_touched(int x, int y, int size) const {
         const SampleRect square{x, y, x + size, y + size};
         std::uint64_t touched = 0;
         for_blocks(square, [&](std::size_t at, int left, int top) {
-            touched |= bits_[at].touched & bits_inside(square, left, top);
+            touched |= bits_[at].touched & block_bits::inside(square, left, top);
         });
         return touched != 0;
     }
@@ -247,7 +249,8 @@ class FarSamples {
         if (begin >= end || y < rect_.y0 || y >= rect_.y1) return;
         const SampleRect row{begin, y, end, y + 1};
         for_blocks(row, [&](std::size_t at, int left, int top) {
-            for (std::uint64_t bits = bits_[at].touched & bits_inside(row, left, top); bits != 0; bits &= bits - 1) {
+            for (std::uint64_t bits = bits_[at].touched & block_bits::inside(row, left, top); bits != 0;
+                 bits &= bits - 1) {
                 const int i = std::countr_zero(bits), x = left + (i & (side - 1)) - begin;
                 depths[x] = std::max(depths[x], first_deposit_[at * area + std::size_t(i)]);
             }
@@ -323,6 +326,33 @@ class FarSamples {
         }
     }
 
+    /// Squares that touch fewer along each side cover few samples whole, and are not worth a look at blocks.
+    static constexpr int few = 3;
+
+    template <class Depths>
+    FARFIELD_INLINE void deposit_few(const Depths& depths, const native_lanes::Square& at, const SampleRect& touched,
+                                     float q, const Deposit& deposit) {
+        for (int y = touched.y0 + 1; y < touched.y1; ++y) prefetch(touched.x0, touched.x1 - 1, y);
+        add_to_rect(touched);
+        for (int y = touched.y0; y < touched.y1; ++y) {
+            const auto rows = at.rows(y + top_ - at.y0);
+            for (int x = touched.x0; x < touched.x1; ++x) {
+                const Block block = block_of(x >> log2_side, y >> log2_side);
+                if ((block.bits.open & block_bits::of(x, y)) == 0 || q <= depths.depth(x, y)) continue;
+                const int i = block_bits::number_of(x, y);
+                block.split(i, q);
+                const auto columns = at.columns(x + left_ - at.x0);
+                if (deposit.into(block.samples[i], block.lanes[i], columns, rows)) block.close(i);
+            }
+        }
+    }
+    void prefetch(int first, int last, int y) {
+        const std::size_t at = index(first, y);
+        __builtin_prefetch(&samples_[at], 1);
+        __builtin_prefetch(&lanes_[at], 1);
+        __builtin_prefetch(&lanes_[index(last, y)], 1);
+    }
+
     /// Splits the square into what covers samples whole and a border.
     template <class Depths>
     [[gnu::noinline]] void deposit_large(const Depths& depths, float left, float top, float right, float bottom,
@@ -352,7 +382,7 @@ class FarSamples {
         const First first = first_of(deposit);
         for_blocks(whole, [&](std::size_t number, int x, int y) {
             const Block block = block_at(number);
-            std::uint64_t changed = block.bits.open & bits_inside(whole, x, y);
+            std::uint64_t changed = block.bits.open & block_bits::inside(whole, x, y);
             if (changed != 0) changed = depths.farther(x, y, changed, q);
             into_whole(block, changed, deposit, first, [q](int) { return q; });
         });
@@ -377,24 +407,11 @@ class FarSamples {
             }
         }
     }
-    /// Of a row of a block, ends included; these may lie beyond it.
-    static std::uint64_t bits_between(int first, int last) {
-        return 255u << std::max(first, 0) & 255u >> (side - 1 - std::min(last, side - 1));
-    }
-    /// The samples in a rectangle of the block whose first sample is (x, y).
-    static std::uint64_t bits_inside(const SampleRect& r, int x, int y) {
-        if (r.x0 >= x + side || r.x1 <= x || r.y0 >= y + side || r.y1 <= y) return 0;
-        const int low = std::max(r.y0 - y, 0) * side, high = std::min(r.y1 - y, side) * side - 1;
-        const std::uint64_t rows = ~std::uint64_t(0) << low & ~std::uint64_t(0) >> (area - 1 - high);
-        return bits_between(r.x0 - x, r.x1 - 1 - x) * 0x0101010101010101u & rows;
-    }
-    static int within(int x, int y) { return (y & (side - 1)) * side + (x & (side - 1)); }
-    static std::uint64_t bit_of(int x, int y) { return std::uint64_t(1) << within(x, y); }
     std::size_t block_index(int column, int row) const {
         return std::size_t(row) * std::size_t(columns_) + std::size_t(column);
     }
     std::size_t index(int x, int y) const {
-        return block_index(x >> log2_side, y >> log2_side) * area + std::size_t(within(x, y));
+        return block_index(x >> log2_side, y >> log2_side) * area + std::size_t(block_bits::number_of(x, y));
     }
     const Bits& bits_at(int x, int y) const { return bits_[block_index(x >> log2_side, y >> log2_side)]; }
 

@@ -216,9 +216,9 @@ class SampleBlocks {
         std::uint64_t farther = wanted;
         for (std::uint64_t left = wanted; left != 0; left &= left - 1) {
             const int i = std::countr_zero(left), in_row = x + (i & (side - 1));
-            const float depth =
-                b.is_surface ? b.plane.at(b.plane.row(y + (i >> log2_side) + first_y_), in_row + first_x_)
-                             : samples_[at].depth[i];
+            const float depth = b.is_surface
+                                    ? b.plane.at(b.plane.row(y + (i >> log2_side) + first_y_), in_row + first_x_)
+                                    : samples_[at].depth[i];
             if (q(in_row) <= depth) farther &= ~(left & -left);
         }
         return farther;

@@ -238,8 +238,8 @@ class SampleBuffers {
                 const Rgba8 behind = is_flat ? flat : samples.color[i];
                 // Geometry may have come later, in front. None is nearer than the nearest.
                 const bool is_over =
-                    (deposits.touched >> i & 1) != 0 &&
-                    (deposits.first_deposit[i] > nearest || deposits.first_deposit[i] > blocks_.depth(left + x, top + y));
+                    (deposits.touched >> i & 1) != 0 && (deposits.first_deposit[i] > nearest ||
+                                                         deposits.first_deposit[i] > blocks_.depth(left + x, top + y));
                 sum += is_over ? over(deposits.samples[i], behind) : in_255ths(behind);
             }
         }
@@ -294,8 +294,12 @@ class SampleBuffers {
     }
 
     void clear() {
+        if (far_.has_begun()) {
+            SampleRect drawn = blocks_.drawn();
+            drawn.add(far_.rect());
+            tiles_.clear(drawn);
+        }
         blocks_.clear();
-        if (far_.has_begun()) tiles_.begin(width_, height_);
         far_.clear();
     }
 
