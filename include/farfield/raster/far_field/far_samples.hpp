@@ -80,9 +80,9 @@ class FarSamples {
     void begin() {
         if (!samples_) {
             const std::size_t count = bits_.size() * area;
-            first_deposit_ = std::make_unique_for_overwrite<float[]>(count);
-            lanes_ = std::make_unique_for_overwrite<FarLanes[]>(count);
-            samples_ = std::make_unique_for_overwrite<Sample[]>(count);  // last: it tells that there is memory
+            first_deposit_.reset(new float[count]);
+            lanes_.reset(new FarLanes[count]);
+            samples_.reset(new Sample[count]);  // last: it tells that there is memory
         }
         has_begun_ = true;
     }
