@@ -66,6 +66,46 @@ TEST_CASE("samples and rest together cover what all covers", "[approximation]") 
     }
 }
 
+TEST_CASE("the rest covers what a part of the areas leaves of what all cover, by their law", "[approximation]") {
+    struct OneSplat {
+        Splat& splat;
+        float splat_limit_px = 4;
+
+        void operator()(const Splat& s) const { splat = s; }
+        void operator()(const Face&) const { FAIL("a face"); }
+        void operator()(OwnRun) const { FAIL("a sample"); }
+    };
+    Triangles triangles = leaves();
+    append(triangles, sheet({-1, -1, -1}, {0, 2, 0}, {0, 0, 2}, 40, 40, {255, 0, 0}));
+    const PlainTensors h = build<PlainTensors>(triangles);
+    const View view = looking({12, 5, 4}, {}, 192, 4);
+    const LocalView local(view, h.origin(), h.bounds());
+    ZBufferRenderer renderer;
+    int of_law[3] = {0, 0, 0};
+    make_viewer(h, triangles, renderer).select(view).for_each([&](const auto&, const Selected& s) {
+        if (s.kind != Selected::Kind::stand_in) return;
+        const StoredTensor& data = h.stand_ins()[s.subtree.stand_in];
+        Splat all{};
+        OpacityTensor{}.draw_stand_in(data, s.subtree.cell, local, OneSplat{all});
+        const double a = double(all.opacity);
+        if (!(a > 0.01 && a < 0.99)) return;
+        const auto law = AreaLaw(all.rgb.a);
+        ++of_law[int(law)];
+        const double area = law == AreaLaw::coherent ? a
+                            : law == AreaLaw::mixed  ? -2 * std::log(1 - 0.5 * a)
+                                                     : -std::log(1 - a);
+        for (const double drawn : {0.0, 0.3, 0.8}) {
+            Splat rest{};
+            const auto left = std::uint16_t((1 - drawn) * 65535 + 0.5);
+            SampleSet<OpacityTensor>{}.draw_stand_in({data, left}, s.subtree.cell, local, OneSplat{rest});
+            const double open = double(transmitted(1, float(drawn * area), law));
+            CHECK(open * (1 - double(rest.opacity)) == Approx(1 - a).margin(1e-3));
+            CHECK(rest.size == all.size);
+        }
+    });
+    CHECK(of_law[int(AreaLaw::independent)] > 20);
+}
+
 TEST_CASE("sheets one behind the other show the one in front", "[approximation]") {
     // Off the octree's planes, a gap of a thousandth: both lie in one cell at any distance.
     Triangles sheets = sheet({0.3101f, -1, -1}, {0, 2, 0}, {0, 0, 2}, 100, 100, {255, 0, 0});

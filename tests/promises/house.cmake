@@ -108,7 +108,7 @@ tested_by(build_pages build_pages/build_journal build_pages/disk_room build_page
           build_pages/scattered_file build_pages/scene_survey build_pages/share_builder build_pages/share_joiner
           build_pages/spare_buffers build_pages/stream_batches build_pages/top_pages build_pages/top_tree)
 tested_by(raster/box_footprint raster/box_fronts)
-tested_by(raster/far_field/far_samples raster/far_field/far_sample raster/far_field/transmittance_lanes
+tested_by(raster/far_field/far_samples raster/far_field/block_bits raster/far_field/far_sample raster/far_field/transmittance_lanes
           raster/far_field/transmittance_lanes_sse2)
 tested_by(raster/triangles/small_triangles raster/triangles/sample_rows raster/triangles/colors_of_row
           raster/triangles/triangle_painter raster/triangles/triangle_runs raster/triangles/triangle_stream

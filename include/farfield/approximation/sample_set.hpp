@@ -9,6 +9,7 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +20,7 @@
 #include "farfield/approximation.hpp"
 #include "farfield/approximation/area_splat.hpp"
 #include "farfield/approximation/sample_set/sample_size.hpp"
+#include "farfield/geometry/area_law.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield {
@@ -194,28 +196,39 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         { i.rest_of(data, 0.0f) } -> std::same_as<typename Inner::stand_in_data>;
     };
 
-    /// Sends on what is left of something of which a part is drawn already: if all would cover `a`, and the part drawn
-    /// covers its share of that, x, the rest has to cover (a - x) / (1 - x) of what x leaves. Opaque things stay
-    /// opaque.
+    /// Sends on what is left of something of which a part of the areas is drawn already: if all would cover `a`, and
+    /// the part covers x of that, the rest has to cover (a - x) / (1 - x) of what x leaves. Opaque things stay opaque.
     template <class Sink>
     struct Rest {
         Sink& sink;
         float splat_limit_px;
         float drawn;
 
-        float factor(float a) const {
-            if constexpr (knows_rest) return 1;
-            const float left = 1 - a * drawn;
-            return left > 0 ? (1 - drawn) / left : 1.0f;
+        /// By the area law: a part of what is strewn covers more than its share, as less of it hides itself.
+        float covered_by_drawn(float a, AreaLaw law) const {
+            switch (law) {
+                case AreaLaw::independent:
+                    return 1 - std::pow(1 - a, drawn);
+                case AreaLaw::mixed:
+                    return 2 - 2 * std::pow(1 - 0.5f * a, drawn);
+                default:
+                    return a * drawn;
+            }
+        }
+        float factor(float a, AreaLaw law) const {
+            if (knows_rest || !(drawn > 0) || !(a > 0)) return 1;
+            const float x = covered_by_drawn(a, law);
+            return x < 1 ? std::max(a - x, 0.0f) / ((1 - x) * a) : 1.0f;
         }
         void operator()(Face face) const {
-            const float f = factor(float(face.rgba.a) / 255);
+            const float a = float(face.rgba.a) / 255, f = factor(a, law_of_opacity(a));
             const auto fainter = [&](std::uint8_t v) { return std::uint8_t(float(v) * f + 0.5f); };
             face.rgba = {fainter(face.rgba.r), fainter(face.rgba.g), fainter(face.rgba.b), fainter(face.rgba.a)};
             if (face.rgba.a != 0) sink(face);
         }
         void operator()(Splat splat) const {
-            splat.opacity = std::min(splat.opacity * factor(splat.opacity), 1.0f);  // rounding
+            const AreaLaw law = AreaLaw(splat.rgb.a);
+            splat.opacity = std::min(splat.opacity * factor(splat.opacity, law), 1.0f);  // rounding
             sink(splat);
         }
         void operator()(OwnRun run) const { sink(run); }

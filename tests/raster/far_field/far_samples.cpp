@@ -82,12 +82,19 @@ struct Canvas {
         int width;
 
         float depth(int x, int y) const { return of[std::size_t(y * width + x)]; }
+        std::uint64_t farther(int x, int y, std::uint64_t wanted, float q) const {
+            return farther_in(x, y, wanted, [q](int) { return q; });
+        }
         template <class Depth>
-        std::uint64_t farther(int y, int first, std::uint64_t wanted, const Depth& q) const {
+        std::uint64_t farther_in_row(int x, int y, std::uint64_t wanted, const Depth& q) const {
+            return farther_in(x, y & -8, wanted, q);
+        }
+        template <class Depth>
+        std::uint64_t farther_in(int x, int y, std::uint64_t wanted, const Depth& q) const {
             std::uint64_t bits = 0;
             for (int i = 0; i < 64; ++i) {
                 const std::uint64_t bit = std::uint64_t(1) << i;
-                if ((wanted & bit) != 0 && !(q(first + i) <= depth(first + i, y))) bits |= bit;
+                if ((wanted & bit) != 0 && !(q(x + i % 8) <= depth(x + i % 8, y + i / 8))) bits |= bit;
             }
             return bits;
         }
@@ -98,7 +105,7 @@ struct Canvas {
     }
     FarSamples::Sample at(int x, int y) const {
         const FarSamples::Sample* s = far.over(-infinity, x, y);
-        return s ? *s : FarSamples::Sample{};
+        return s ? *s : FarSamples::Sample::fresh();
     }
     double taken() const {
         double sum = 0;
@@ -119,6 +126,22 @@ bool same(const FarSamples::Sample& a, const FarSamples::Sample& b) {
 }
 
 }  // namespace
+
+TEST_CASE("bits of a block are those of its samples inside a rectangle", "[raster]") {
+    Random random(74);
+    for (int i = 0; i < 20000; ++i) {
+        const auto any = [&] { return int(random.below(40)) - 8; };
+        const SampleRect r{any(), any(), any(), any()};
+        const int x = 8 * int(random.below(3)), y = 8 * int(random.below(3));
+        std::uint64_t inside = 0;
+        for (int v = y; v < y + 8; ++v) {
+            for (int u = x; u < x + 8; ++u) {
+                if (u >= r.x0 && u < r.x1 && v >= r.y0 && v < r.y1) inside |= block_bits::of(u, v);
+            }
+        }
+        REQUIRE(block_bits::inside(r, x, y) == inside);
+    }
+}
 
 TEST_CASE("squares of any place and size leave what sixteen exact transmittances a sample do", "[raster]") {
     Random random(60);
@@ -160,7 +183,7 @@ TEST_CASE("eight lanes at a time compute the same bits as one", "[raster]") {
     Random random(61);
     int checked = 0;
     for (int i = 0; i < 40000; ++i) {
-        FarSample a, b;
+        FarSample a = FarSample::fresh(), b;
         FarLanes a_lanes, b_lanes;
         for (std::uint16_t& t : a_lanes.lane) {
             const std::uint32_t kind = random.below(6);
@@ -187,6 +210,10 @@ TEST_CASE("eight lanes at a time compute the same bits as one", "[raster]") {
         REQUIRE((p.x0 == q.x0 && p.y0 == q.y0 && p.x1 == q.x1 && p.y1 == q.y1));
         REQUIRE((p.x0 >= 0 && p.y0 >= 0 && p.x1 < width && p.y1 < height && p.x0 <= p.x1 && p.y0 <= p.y1));
         REQUIRE(p.is_small() == q.is_small());
+        REQUIRE(p.starts_at_column() == q.starts_at_column());
+        REQUIRE(p.starts_at_row() == q.starts_at_row());
+        REQUIRE(p.ends_at_column() == q.ends_at_column());
+        REQUIRE(p.ends_at_row() == q.ends_at_row());
         if (!p.is_small()) continue;
         ++checked;
         const int column = int(random.below(std::uint32_t(p.x1 - p.x0 + 1))),
@@ -209,9 +236,9 @@ TEST_CASE("a sample whose lanes are alike needs none of them", "[raster]") {
     const one::Columns columns(0, lanes::sample_width);
     const one::Rows rows(0, lanes::sample_height);
     for (int i = 0; i < 3000; ++i) {
-        FarSample a, b, c;
-        FarLanes a_lanes;
-        a_lanes.fill(lanes::one);
+        FarSample a = FarSample::fresh(), b = a, c = a, d = a, e = a;
+        FarLanes a_lanes, d_lanes, e_lanes;
+        for (FarLanes* all : {&a_lanes, &d_lanes, &e_lanes}) all->fill(lanes::one);
         for (bool is_closed = false; !is_closed;) {
             const float part = random.unit() * (i % 2 ? 1.0f : 0.1f) + 1e-4f, relative = random.unit();
             const Loss loss{part * relative, part * (1 - relative)};
@@ -219,8 +246,14 @@ TEST_CASE("a sample whose lanes are alike needs none of them", "[raster]") {
             is_closed = one::Deposit(loss, rgb).into(a, a_lanes, columns, rows);
             REQUIRE(one::Deposit(loss, rgb).into(b) == is_closed);
             REQUIRE(many::Deposit(loss, rgb).into(c) == is_closed);
+            REQUIRE(one::Deposit(loss, rgb).into(d, d_lanes) == is_closed);
+            REQUIRE(many::Deposit(loss, rgb).into(e, e_lanes) == is_closed);
             REQUIRE(std::memcmp(&a, &b, sizeof a) == 0);
             REQUIRE(std::memcmp(&a, &c, sizeof a) == 0);
+            REQUIRE(std::memcmp(&a, &d, sizeof a) == 0);
+            REQUIRE(std::memcmp(&a, &e, sizeof a) == 0);
+            REQUIRE(std::memcmp(&a_lanes, &d_lanes, sizeof a_lanes) == 0);
+            REQUIRE(std::memcmp(&a_lanes, &e_lanes, sizeof a_lanes) == 0);
             if (!is_closed) REQUIRE(lane_of(a.transmittance) == int(a_lanes.lane[0]));
         }
     }

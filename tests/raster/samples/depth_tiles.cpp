@@ -45,5 +45,11 @@ TEST_CASE("answers are those of every sample of the tiles touched, and err only 
         CHECK(asked == 2);
         CHECK(tiles.all_nearer(0, 0, 0, 0, 0.9f, [&](int, int, int, int) { return ++asked, 0.0f; }));
         CHECK(asked == 2);  // known from before
+        tiles.clear({});
+        CHECK(tiles.all_nearer(0, 0, 0, 0, 0.9f, [&](int, int, int, int) { return ++asked, 0.0f; }));
+        CHECK(asked == 2);
+        tiles.clear({0, 0, 1, 1});
+        CHECK_FALSE(tiles.all_nearer(0, 0, 0, 0, 0.9f, [&](int, int, int, int) { return ++asked, 0.0f; }));
+        CHECK(asked == 3);
     }
 }

@@ -78,11 +78,18 @@ TEST_CASE("surfaces and samples are read as they were written, and bounds hold",
                 const float q_here = 60 * random.unit() * random.unit(), q_step = random.between(-0.2f, 0.2f);
                 const auto q = [&](int x) { return q_here + q_step * float(x); };
                 const std::uint64_t wanted = random.bits() & ((std::uint64_t(1) << width) - 1);
-                const std::uint64_t farther = blocks.farther(y, 0, wanted, q);
+                const int in_block = y % side * side;
+                std::uint64_t farther = 0, farther_than_first = 0;
+                for (int x = 0; x < width; x += side) {
+                    const std::uint64_t here = (wanted >> x & 255) << in_block;
+                    farther |= blocks.farther_in_row(x, y, here, q) >> in_block << x;
+                    farther_than_first |= blocks.farther(x, y - y % side, here, q_here) >> in_block << x;
+                }
                 for (int x = 0; x < width; ++x) {
                     const auto at = std::size_t(y * width + x);
                     const bool is_wanted = (wanted >> x & 1) != 0;
                     wrong += (farther >> x & 1) != (is_wanted && depth[at] < q(x) ? 1u : 0u);
+                    wrong += (farther_than_first >> x & 1) != (is_wanted && depth[at] < q_here ? 1u : 0u);
                     const SampleBlocks::Sample sample = blocks.sample(x, y);
                     wrong += sample.depth != depth[at] || sample.color != color[at];
                     wrong += blocks.depth(x, y) != depth[at];

@@ -26,9 +26,13 @@ inline constexpr int most_samples = 16;  ///< that a small square touches along 
 inline constexpr int closed = int(closed_transmittance * float(count * one));  ///< where the sum of lanes is below
 }  // namespace lanes
 
+/// Not set to anything by itself, so that memory for many is not touched before they are.
 struct alignas(16) FarSample {
-    float r = 0, g = 0, b = 0;  ///< premultiplied
-    float transmittance = 1;    ///< mean of the lanes, or 0 if that is below closed_transmittance
+    float r, g, b;        ///< premultiplied
+    float transmittance;  ///< mean of the lanes, or 0 if that is below closed_transmittance
+
+    /// What nothing was deposited into.
+    static constexpr FarSample fresh() { return {0, 0, 0, 1}; }
 };
 
 /// Most of a large deposit's samples are covered whole, and their lanes stay alike: the transmittance tells them. Lanes

@@ -22,9 +22,11 @@ namespace farfield::detail {
 //     is_small     it touches at most 16 samples a side; only then may these be called:
 //     columns(i)   how much of each column of lanes it covers in the i-th samples from the left
 //     rows(i)      how much of each row of lanes in the i-th samples from the top
+//     starts_at_column ... ends_at_row  whether its edges lie on borders of samples, so that it covers those that it
+//                  touches there whole, as all between
 //   Deposit        a loss in 65535ths, rounded and clamped to [0, 1] (NaN counts as 0), and a color
 //     into         takes the loss from the part of each lane that is covered; true if that closed the sample. Without
-//                  lanes: of a sample that is covered whole and whose lanes are alike
+//                  columns and rows the sample is covered whole; without lanes these are alike, too
 
 namespace one_lane_at_a_time {
 
@@ -61,6 +63,10 @@ class Square {
     bool is_small() const { return x1 - x0 < lanes::most_samples && y1 - y0 < lanes::most_samples; }
     Columns columns(int i) const { return {left_ - i * lanes::sample_width, right_ - i * lanes::sample_width}; }
     Rows rows(int i) const { return {top_ - i * lanes::sample_height, bottom_ - i * lanes::sample_height}; }
+    bool starts_at_column() const { return left_ == 0; }
+    bool starts_at_row() const { return top_ == 0; }
+    bool ends_at_column() const { return right_ == (x1 - x0 + 1) * lanes::sample_width; }
+    bool ends_at_row() const { return bottom_ == (y1 - y0 + 1) * lanes::sample_height; }
 
   private:
     struct Edge {
@@ -93,6 +99,14 @@ class Deposit {
             const std::uint32_t t = of.lane[i], part = columns.of[i % lanes::side] * rows.of[i / lanes::side];
             of.lane[i] = std::uint16_t(t - std::min(product(loss_of(t), part), t));
             sum += of.lane[i];
+        }
+        return take(s, sum);
+    }
+    bool into(FarSample& s, FarLanes& of) const {
+        int sum = 0;
+        for (std::uint16_t& lane : of.lane) {
+            lane = std::uint16_t(lane - std::min<std::uint32_t>(loss_of(lane), lane));
+            sum += lane;
         }
         return take(s, sum);
     }

@@ -63,6 +63,8 @@ class Square {
         const __m128 inside = _mm_mul_ps(_mm_sub_ps(v, _mm_cvtepi32_ps(sample)), _mm_setr_ps(w, h, w, h));
         const __m128i rest = _mm_cvttps_epi32(_mm_add_ps(inside, _mm_set1_ps(0.5f)));
         // Both factors are below 2^15.
+        // The first samples' edges are at 0, the last ones' at their ends.
+        at_border_ = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(rest, _mm_setr_epi32(0, 0, w, h))));
         const __m128i from_first = _mm_sub_epi32(sample, _mm_shuffle_epi32(sample, 0x44));
         const __m128i at = _mm_add_epi32(rest, _mm_madd_epi16(from_first, _mm_setr_epi32(w, h, w, h)));
         is_empty_ = (_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpgt_epi32(_mm_shuffle_epi32(at, 0xee), at))) & 3) != 3;
@@ -82,6 +84,10 @@ class Square {
         return {between(top_, bottom_, load(positions.row[i]), same(lanes::height)),
                 between(top_, bottom_, load(positions.row[i] + 8), same(lanes::height))};
     }
+    bool starts_at_column() const { return (at_border_ & 1) != 0; }
+    bool starts_at_row() const { return (at_border_ & 2) != 0; }
+    bool ends_at_column() const { return (at_border_ & 4) != 0; }
+    bool ends_at_row() const { return (at_border_ & 8) != 0; }
 
   private:
     static __m128i between(__m128i begin, __m128i end, __m128i at, __m128i lane) {
@@ -89,6 +95,7 @@ class Square {
                              _mm_min_epi16(_mm_subs_epu16(begin, at), lane));
     }
     __m128i left_, top_, right_, bottom_;
+    int at_border_;
     bool is_empty_;
 };
 
@@ -109,8 +116,23 @@ class Deposit {
     }
 
     bool into(FarSample& s, FarLanes& of, Columns columns, const Rows& rows) const {
-        const __m128i upper = left_of(load(of.lane), _mm_mullo_epi16(columns, rows.upper));
-        const __m128i lower = left_of(load(of.lane + 8), _mm_mullo_epi16(columns, rows.lower));
+        return into(s, of, left_of(load(of.lane), _mm_mullo_epi16(columns, rows.upper)),
+                    left_of(load(of.lane + 8), _mm_mullo_epi16(columns, rows.lower)));
+    }
+    bool into(FarSample& s, FarLanes& of) const {
+        // A loss that covers a lane whole is taken as it is: product(loss, 65535) is the loss.
+        const __m128i upper = load(of.lane), lower = load(of.lane + 8);
+        return into(s, of, _mm_subs_epu16(upper, loss_of(upper)), _mm_subs_epu16(lower, loss_of(lower)));
+    }
+    bool into(FarSample& s) const {
+        const __m128i t = _mm_set1_epi32(lane_of(s.transmittance));
+        const __m128i left = _mm_subs_epu16(t, loss_of(t));
+        return take(s, _mm_slli_epi32(_mm_and_si128(left, _mm_set1_epi32(0xffff)), 4));
+    }
+
+  private:
+    /// The lanes are then these.
+    bool into(FarSample& s, FarLanes& of, __m128i upper, __m128i lower) const {
         store(of.lane, upper);
         store(of.lane + 8, lower);
         // Pairs can only be added as signed numbers, so 2^15 is taken from all first.
@@ -121,14 +143,6 @@ class Deposit {
         const __m128i sum = _mm_add_epi32(fours, _mm_shuffle_epi32(fours, 0xb1));
         return take(s, _mm_add_epi32(sum, _mm_set1_epi32(lanes::count * 32768)));
     }
-    bool into(FarSample& s) const {
-        const __m128i t = _mm_set1_epi32(lane_of(s.transmittance));
-        // A loss that covers a lane whole is taken as it is: product(loss, 65535) is the loss.
-        const __m128i left = _mm_subs_epu16(t, loss_of(t));
-        return take(s, _mm_slli_epi32(_mm_and_si128(left, _mm_set1_epi32(0xffff)), 4));
-    }
-
-  private:
     /// `sum` is that of the lanes that are left, four times.
     bool take(FarSample& s, __m128i sum) const {
         const bool closes = _mm_cvtsi128_si32(sum) < lanes::closed;

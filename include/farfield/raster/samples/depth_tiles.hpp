@@ -9,6 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include "farfield/raster/sample_rect.hpp"
+
 namespace farfield::detail {
 
 /// Depths only come nearer within a frame, so an outdated farthest depth errs towards the far side. A tile is updated
@@ -20,8 +22,16 @@ class DepthTiles {
     /// Starts with nothing drawn.
     void begin(int width, int height) {
         columns_ = (width + side - 1) / side;
-        farthest_.assign(std::size_t(columns_) * std::size_t((height + side - 1) / side),
-                         -std::numeric_limits<float>::infinity());
+        farthest_.assign(std::size_t(columns_) * std::size_t((height + side - 1) / side), nothing);
+    }
+
+    /// The same again, where nothing was drawn but in a rectangle.
+    void clear(const SampleRect& drawn) {
+        if (drawn.is_empty()) return;
+        for (int row = drawn.y0 / side; row <= (drawn.y1 - 1) / side; ++row) {
+            float* tile = farthest_.data() + std::size_t(row) * std::size_t(columns_);
+            std::fill(tile + drawn.x0 / side, tile + (drawn.x1 - 1) / side + 1, nothing);
+        }
     }
 
     /// Is every sample of the tiles that touch a rectangle (ends included, inside the picture) nearer than q?
@@ -43,6 +53,8 @@ class DepthTiles {
     }
 
   private:
+    static constexpr float nothing = -std::numeric_limits<float>::infinity();
+
     int columns_ = 0;
     std::vector<float> farthest_;  ///< least q
 };

@@ -181,32 +181,25 @@ class SampleBlocks {
         }
     }
 
-    /// Which of 64 samples of a row, from `first` on, are farther than q(x), which does not both rise and fall within
-    /// eight samples. Only those `wanted` are looked at, which lie in the picture.
+    /// Which samples of the block whose first sample is (x, y) are farther than q: a bit each, row by row. Only those
+    /// `wanted` are looked at, which lie in the picture.
+    FARFIELD_INLINE std::uint64_t farther(int x, int y, std::uint64_t wanted, float q) const {
+        const std::size_t at = index(x >> log2_side, y >> log2_side);
+        const Block& b = blocks_[at];
+        if (b.frame != frame_ || q > b.nearest) return wanted;
+        if (q <= farthest_[at]) return 0;
+        return each_farther(x, y, wanted, [q](int) { return q; });
+    }
+    /// The same for samples of row y alone, where q(x) does not both rise and fall within them.
     template <class Depth>
-    std::uint64_t farther(int y, int first, std::uint64_t wanted, const Depth& q) const {
-        static_assert(side == 8);
-        const std::size_t at = index(first >> log2_side, y >> log2_side);
-        std::uint64_t farther = wanted;
-        for (std::uint64_t left = wanted; left != 0;) {
-            const int i = std::countr_zero(left) & -side;
-            const std::uint64_t all = std::uint64_t(255) << i;
-            left &= ~all;
-            const std::size_t block = at + std::size_t(i >> log2_side);
-            if (blocks_[block].frame != frame_) continue;
-            const int x = first + i;
-            const auto [least, most] = std::minmax({q(x), q(x + side - 1)});
-            if (least > blocks_[block].nearest) continue;
-            if (most <= farthest_[block]) {
-                farther &= ~all;
-                continue;
-            }
-            for (int k = 0; k < side; ++k) {
-                const std::uint64_t bit = std::uint64_t(1) << (i + k);
-                if ((wanted & bit) != 0 && q(x + k) <= depth(x + k, y)) farther &= ~bit;
-            }
-        }
-        return farther;
+    std::uint64_t farther_in_row(int x, int y, std::uint64_t wanted, const Depth& q) const {
+        const std::size_t at = index(x >> log2_side, y >> log2_side);
+        const Block& b = blocks_[at];
+        if (b.frame != frame_) return wanted;
+        const auto [least, most] = std::minmax({q(x), q(x + side - 1)});
+        if (least > b.nearest) return wanted;
+        if (most <= farthest_[at]) return 0;
+        return each_farther(x, y & -side, wanted, q);
     }
 
   private:
@@ -214,6 +207,22 @@ class SampleBlocks {
     static constexpr float nothing = -std::numeric_limits<float>::infinity();
 
     static std::size_t within(int x, int y) { return std::size_t(y & (side - 1)) * side + std::size_t(x & (side - 1)); }
+
+    /// Of a block that was drawn to.
+    template <class Depth>
+    std::uint64_t each_farther(int x, int y, std::uint64_t wanted, const Depth& q) const {
+        const std::size_t at = index(x >> log2_side, y >> log2_side);
+        const Block& b = blocks_[at];
+        std::uint64_t farther = wanted;
+        for (std::uint64_t left = wanted; left != 0; left &= left - 1) {
+            const int i = std::countr_zero(left), in_row = x + (i & (side - 1));
+            const float depth = b.is_surface
+                                    ? b.plane.at(b.plane.row(y + (i >> log2_side) + first_y_), in_row + first_x_)
+                                    : samples_[at].depth[i];
+            if (q(in_row) <= depth) farther &= ~(left & -left);
+        }
+        return farther;
+    }
 
     [[gnu::noinline]] void open(std::size_t at, int column, int row) {
         Block& b = blocks_[at];

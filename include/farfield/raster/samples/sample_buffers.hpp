@@ -152,8 +152,8 @@ class SampleBuffers {
         if (side_ == 1) {
             for (int y = drawn.y0; y < drawn.y1; ++y) blocks_.colors(y, drawn.x0, drawn.x1, &image.at(drawn.x0, y));
             far_.for_touched([&](int x, int y) { image.at(x, y) = rounded(color_at(x, y, image.at(x, y))); });
-        } else if (side_ == SampleBlocks::side && !far_.has_begun()) {
-            for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel_of_block(x, y); });
+        } else if (SampleBlocks::side % side_ == 0) {
+            for_pixels(drawn, [&](int x, int y) { image.at(x, y) = pixel_in_block(x, y); });
         } else if (!drawn.is_empty()) {
             const int first = drawn.x0 / side_, last = (drawn.x1 - 1) / side_;
             const auto stride = std::size_t((last - first + 1) * side_);
@@ -215,13 +215,35 @@ class SampleBuffers {
         return least;
     }
 
-    /// For pixels of 64 samples.
-    Rgba8 pixel_of_block(int x, int y) const {
-        const std::size_t at = blocks_.index(x, y);
+    /// For pixels that lie in one block each.
+    Rgba8 pixel_in_block(int px, int py) const {
+        constexpr int side = SampleBlocks::side;
+        static_assert(side == FarSamples::side);
+        const int left = px * side_, top = py * side_;
+        const std::size_t at = blocks_.index(left / side, top / side);
+        const auto first = std::size_t(top % side * side + left % side);
         const SampleBlocks::Block& b = blocks_.block(at);
-        if (!blocks_.is_drawn(b)) return background_;
-        if (b.is_surface) return b.color;
-        return mean_of_samples(blocks_.samples(at).color, SampleBlocks::side, SampleBlocks::side);
+        const bool is_drawn = blocks_.is_drawn(b), is_flat = !is_drawn || b.is_surface;
+        const Rgba8 flat = is_drawn ? b.color : background_;
+        const SampleBlocks::Samples& samples = blocks_.samples(at);
+        if (!far_.is_touched(left, top, side_)) {
+            return is_flat ? flat : mean_of_samples(samples.color + first, side, side_);
+        }
+        const FarSamples::InBlock deposits = far_.block(at);
+        const float nearest = is_drawn ? b.nearest : -std::numeric_limits<float>::infinity();
+        Floats sum{};
+        for (int y = 0; y < side_; ++y) {
+            for (int x = 0; x < side_; ++x) {
+                const std::size_t i = first + std::size_t(y * side + x);
+                const Rgba8 behind = is_flat ? flat : samples.color[i];
+                // Geometry may have come later, in front. None is nearer than the nearest.
+                const bool is_over =
+                    (deposits.touched >> i & 1) != 0 && (deposits.first_deposit[i] > nearest ||
+                                                         deposits.first_deposit[i] > blocks_.depth(left + x, top + y));
+                sum += is_over ? over(deposits.samples[i], behind) : in_255ths(behind);
+            }
+        }
+        return rounded(sum * (1.0f / float(side_ * side_)));
     }
 
     /// With deposits over what lies behind, which comes in rows `stride` apart.
@@ -235,14 +257,18 @@ class SampleBuffers {
 
     /// What a sample shows, in 255ths.
     FARFIELD_INLINE Floats color_at(int x, int y, Rgba8 behind) const {
-        const Floats color = __builtin_convertvector(std::bit_cast<Bytes>(behind), Floats);
-        if (!far_.is_touched(x, y)) return color;
+        if (!far_.is_touched(x, y)) return in_255ths(behind);
         const FarSamples::Sample* s = far_.over(blocks_.depth(x, y), x, y);
-        if (s == nullptr) return color;
-        Floats deposited = std::bit_cast<Floats>(*s);
+        return s == nullptr ? in_255ths(behind) : over(*s, behind);
+    }
+    FARFIELD_INLINE static Floats in_255ths(Rgba8 color) {
+        return __builtin_convertvector(std::bit_cast<Bytes>(color), Floats);
+    }
+    FARFIELD_INLINE static Floats over(const FarSamples::Sample& s, Rgba8 behind) {
+        Floats deposited = std::bit_cast<Floats>(s);
         const Floats transmittance = Floats{} + deposited[3];
         deposited[3] = 1 - deposited[3];
-        return deposited * 255.0f + color * transmittance;
+        return deposited * 255.0f + in_255ths(behind) * transmittance;
     }
     static Rgba8 rounded(Floats v) {
         v += 0.5f;
@@ -268,8 +294,12 @@ class SampleBuffers {
     }
 
     void clear() {
+        if (far_.has_begun()) {
+            SampleRect drawn = blocks_.drawn();
+            drawn.add(far_.rect());
+            tiles_.clear(drawn);
+        }
         blocks_.clear();
-        if (far_.has_begun()) tiles_.begin(width_, height_);
         far_.clear();
     }
 
