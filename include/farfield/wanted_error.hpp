@@ -6,8 +6,8 @@
 // error of channels in [0, 1], coverage's among them, over the pixels that the cell's box takes, if nothing lies before
 // it or behind it. bench/accuracy/wanted_error.cpp measures it, over cells and directions, and what comes of it.
 //
-// What whole pictures err by may be measured instead, once a hierarchy, and be kept in its file: tuning/tuned_viewer.hpp
-// draws by that whatever is wanted.
+// What whole pictures err by may be measured instead, once a hierarchy, and be kept in its file:
+// tuning/tuned_viewer.hpp draws by that whatever is wanted.
 #pragma once
 
 #include "farfield/settings.hpp"
