@@ -14,6 +14,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #if __has_include(<sys/wait.h>)
@@ -24,6 +25,7 @@
 #endif
 
 #include "catch.hpp"
+#include "farfield/approximation/area_splat.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/opacity_tensor.hpp"
 #include "farfield/approximation/sample_set.hpp"
@@ -57,6 +59,12 @@ auto stream_of(const Triangles& scene) {
 std::vector<char> bytes_of_file(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+/// As if files had no holes.
+std::uint64_t bytes_in(const std::filesystem::path& directory) {
+    std::uint64_t sum = 0;
+    for (const auto& file : std::filesystem::directory_iterator(directory)) sum += file.file_size();
+    return sum;
 }
 /// So little memory that a small scene has many parts.
 template <class H>
@@ -235,24 +243,25 @@ TEST_CASE("Room on the disk is looked for before anything is moved") {
     auto options = in_many_parts<Tensors>();
     options.page_bytes = 4096;
     const auto path = directory.path() / "scene.farfield";
-    const std::uint64_t needed = disk_bytes_of_build<Triangle>(scene.size());
     int reads = 0;
     const auto stream = [&](auto&& take) {
         ++reads;
         for (const Triangle& t : scene) take(t);
     };
+    const std::uint64_t needed = disk_bytes_of_build<Tensors, Triangle>(stream, options);
+    CHECK(std::exchange(reads, 0) == 2);
+    CHECK(directory.files() == 0);
     SECTION("less may be taken than it needs") {
         options.most_disk_bytes = needed / 2;
         CHECK_THROWS_WITH((build_pages<Tensors, Triangle>(stream, path, options)),
                           Catch::Matchers::Contains("scene.farfield") &&
-                              Catch::Matchers::Contains("needs about 2 MiB") &&
+                              Catch::Matchers::Contains("needs about " + std::to_string((needed >> 20) + 1) + " MiB") &&
                               Catch::Matchers::Contains("most_disk_bytes"));
         CHECK(reads == 2);  // for the bounds, and to count
         CHECK(directory.files() == 0);
     }
     SECTION("what it needs may be taken") {
-        // And a page for each group of parts, which may end in its midst.
-        options.most_disk_bytes = needed + 200 * options.page_bytes;
+        options.most_disk_bytes = needed;
         build_pages<Tensors, Triangle>(stream, path, options);
         CHECK(reads == 3);
         CHECK(std::filesystem::exists(path));
@@ -267,6 +276,50 @@ TEST_CASE("Room on the disk is looked for before anything is moved") {
         CHECK_THROWS_WITH(detail::check_disk_room("scene.farfield", too_much, any),
                           Catch::Matchers::Contains("scene.farfield"));
         CHECK_NOTHROW(detail::check_disk_room(path, 1, any));
+    }
+}
+
+TEMPLATE_TEST_CASE("No build takes more of the disk than it said", "", AreaSplat, OpacityTensor, ColorCube,
+                   SampleSet<AreaSplat>) {
+    using H = SpatialHierarchy<Octree, TestType, TriangleCount>;
+    // A chain of cells leads to each cluster, and triangles as large as their cell stay in it.
+    Triangles clusters;
+    Random random(4);
+    for (int cluster = 0; cluster < 1000; ++cluster) {
+        const glm::vec3 center = random.in_cube(1);
+        for (int i = 0; i < 12; ++i) {
+            Triangle& t = clusters.emplace_back();
+            for (glm::vec3& v : t.vertices) v = center + random.in_cube(1e-6f);
+        }
+    }
+    const Triangles flat = sheet({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 80, 80, {90, 160, 60, 255}),
+                    large = random_triangles(12000, 3, 0.3f), mixed = mixed_triangles(12000, 5);
+    for (const Triangles& scene : {std::cref(clusters), std::cref(flat), std::cref(large), std::cref(mixed)}) {
+        for (const std::uint32_t page_bytes : {4096u, 65536u}) {
+            for (const std::uint32_t shares : {1u, 2u}) {
+                PageBuildOptions<H> options;
+                options.page_bytes = page_bytes;
+                if (shares != 1) options.memory_bytes = 1 << 21;
+                const TemporaryDirectory directory;
+                const auto path = directory.path() / "scene.farfield";
+                for (std::uint32_t index = 0; index < shares; ++index) {
+                    const PageShare share{index, shares};
+                    const std::uint64_t said = disk_bytes_of_build<H, Triangle>(stream_of(scene), options, share),
+                                        before = bytes_in(directory.path());
+                    std::uint64_t most = 0;
+                    auto watched = options;
+                    watched.build.progress = [&](const BuildProgress&) {
+                        most = std::max(most, bytes_in(directory.path()) - before);
+                        return true;
+                    };
+                    build_page_share<H, Triangle>(stream_of(scene), path, share, watched);
+                    INFO("scene of " << scene.size() << ", pages of " << page_bytes << ", share " << index << " of "
+                                     << shares);
+                    CHECK(most > 0);
+                    CHECK(most <= said);
+                }
+            }
+        }
     }
 }
 

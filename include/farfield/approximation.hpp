@@ -81,7 +81,8 @@ struct ChildDraft {
     const Draft* draft = nullptr;
 };
 
-/// A box that holds what a stand-in stands for, and how much of its outline is covered, as a Splat says that.
+/// A box that holds all that a stand-in stands for, what sticks out of its cell too, or there are holes; and how much
+/// of its outline is covered, as a Splat says that.
 struct ContentsBox {
     glm::vec3 center, half;
     float opacity = 0;

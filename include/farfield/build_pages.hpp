@@ -18,7 +18,6 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "farfield/build_pages/disk_room.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/page_share.hpp"
 #include "farfield/build_pages/share_builder.hpp"
@@ -26,6 +25,18 @@
 #include "farfield/sampler/grid_sampler.hpp"
 
 namespace farfield {
+
+/// Bytes of the disk that a share of a build takes at most while it is built, as build_page_share() looks for before it
+/// moves anything; a build of all takes as much as its only share. The stream is called twice. More, and it is looked
+/// for again, where one cell needs larger pages than wanted; and where thousands of primitives as large as a cell, or
+/// larger, lie together in one that is smaller than a 128th of the scene.
+template <BuildsInParts H, PageablePrimitive P, OrthographicSampler Sampler = GridSampler, class Stream>
+std::uint64_t disk_bytes_of_build(Stream&& stream, const PageBuildOptions<H, Sampler>& options = {},
+                                  PageShare share = {}) {
+    const std::filesystem::path nowhere;
+    detail::PageBuild<H, P, Sampler> build(nowhere, options);
+    return detail::ShareBuilder{build}.disk_bytes(stream, share);
+}
 
 /// Builds a share of a file of pages, and leaves it beside where that will be (`path.0-of-2.pages`, and so on). A share
 /// that was stopped goes on where it was when it is built again, and one that is there already is left as it is. See

@@ -20,6 +20,8 @@
 #include "farfield/approximation.hpp"
 #include "farfield/approximation/cell_faces.hpp"
 #include "farfield/approximation/color_cube.hpp"
+#include "farfield/geometry/box.hpp"
+#include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/polygon.hpp"
 
 namespace farfield {
@@ -47,16 +49,18 @@ struct AreaSplat {
         float area = 0;          ///< in ordinary units of the cell (Cell::to_ordinary)
         glm::vec3 projected{0};  ///< sums of the areas, each seen along an axis from both sides
         glm::vec3 color{0};      ///< sum of area times color, for what samples miss
+        Box contents = Box::empty();
     };
-    /// Sides -x, +x, -y, +y, -z, +z. Fourth bytes hold, in order, the center's place in the cell's bounds (three bytes)
-    /// and, along x, y and z, the root of the part of a side that is filled.
+    /// Sides -x, +x, -y, +y, -z, +z. Fourth bytes hold, in order, the center's place in the cell's bounds (three bytes,
+    /// of the first of which the lowest bit says whether the contents lie in flat_part()) and, along x, y and z, the
+    /// root of the part of a side that is filled.
     using stand_in_data = std::array<Rgba8, 6>;
     static constexpr ApproximationFacts facts{.needs_polygons = true,
                                               .stands_in = true,
                                               .merges_octants = true,
                                               .bounds_error = true,
                                               .expects_error = true,
-                                              .file_tag = 0x41530002u};
+                                              .file_tag = 0x41530003u};
 
     const char* wrong_option() const {
         if (size > Size::of_cell) return "AreaSplat: an option is not in its enum";
@@ -76,7 +80,10 @@ struct AreaSplat {
                 doubled_area<float>(corners, [&](std::size_t i) { return polygon.vertices[i] * unit; });
             const float area = 0.5f * glm::length(normal);
             glm::vec3 sum(0);
-            for (const glm::vec3& v : polygon.vertices) sum += (v - cell.center) * unit;
+            for (const glm::vec3& v : polygon.vertices) {
+                sum += (v - cell.center) * unit;
+                d.contents.add(v);
+            }
             d.area += area;
             d.projected += 0.5f * glm::abs(normal);
             d.moment += sum * (area / float(corners));
@@ -99,6 +106,7 @@ struct AreaSplat {
             own.area += area;
             own.projected += child.draft->projected * (larger * larger);
             own.color += child.draft->color * (larger * larger);
+            own.contents.add(child.draft->contents);
             own.moment +=
                 child.draft->moment * (larger * larger * larger) + (child.cell->center - cell.center) * unit * area;
         }
@@ -123,12 +131,17 @@ struct AreaSplat {
         const glm::vec3 place = (center - (cell.bounds_center - cell.bounds_half)) / (2.0f * cell.bounds_half);
         for (int axis = 0; axis < 3; ++axis) {
             const float inside = cell.bounds_half[axis] > 0 ? glm::clamp(place[axis], 0.0f, 1.0f) : 0.5f;
-            data[std::size_t(axis)].a = std::uint8_t(inside * 255 + 0.5f);
+            data[std::size_t(axis)].a =
+                std::uint8_t(axis == 0 ? 2 * unsigned(inside * 127 + 0.5f) : unsigned(inside * 255 + 0.5f));
         }
         const float side = cell.largest_side() * unit, mean_projected = mean_length(d.projected);
         const float shown_part = side > 0 ? shown * d.area / (side * side) : 1.0f;
         set_filled_parts(data,
                          mean_projected > 0 ? d.projected * (shown_part / mean_projected) : glm::vec3(shown_part));
+        const Box flat = flat_part(data, cell);
+        const int axis = flat_axis(filled_parts(data));
+        const bool is_flat = d.contents.lower[axis] >= flat.lower[axis] && d.contents.upper[axis] <= flat.upper[axis];
+        data[0].a = std::uint8_t(data[0].a | unsigned(is_flat));
         return data;
     }
 
@@ -208,21 +221,14 @@ struct AreaSplat {
         sink(splat);
     }
 
-    /// The box of the cell, less thick where nearly all is seen along one axis, as of ground or a wall.
+    /// All that the contents of a cell may reach: its bounds, or a layer in them, where the contents lie in one.
     ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
         if (is_nothing(data)) return {};
-        const glm::vec3 parts = filled_parts(data), middle = center_in(data, cell),
-                        towards = view.towards_viewer(middle);
+        const Box box = (data[0].a & 1) != 0 ? flat_part(data, cell) : cell.bounds();
+        const glm::vec3 center = box.center(), half = box.upper * 0.5f - box.lower * 0.5f, parts = filled_parts(data),
+                        towards = view.towards_viewer(center);
         const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);
-        // It is as thick at least as its place is uncertain, which is kept in steps.
-        const glm::vec3 thick = glm::sqrt(without_depth(glm::vec3(1), parts)) * cell.half,
-                        half = glm::max(thick, cell.bounds_half * (1.0f / 128)), unit = half / cell.largest_side();
-        // In the box, but along the thin axis, where contents of a loose cell may lie beside it.
-        glm::vec3 center = cell.center;
-        for (int axis = 0; axis < 3; ++axis) {
-            if (half[axis] < cell.half[axis]) center[axis] = middle[axis];
-        }
-        const float outline = outline_of(unit, w), area = part_seen(parts, w);
+        const float outline = outline_of(half / cell.largest_side(), w), area = part_seen(parts, w);
         glm::vec3 sum(0);
         for (const Rgba8 c : data) sum += glm::vec3(c.r, c.g, c.b);
         const glm::vec3 rgb = sum / 6.0f + 0.5f;
@@ -262,9 +268,26 @@ struct AreaSplat {
         splat.center += view.right * moved.x + view.up * moved.y;
     }
 
+    /// That most is seen along.
+    static int flat_axis(glm::vec3 parts) {
+        return parts.x >= parts.y ? (parts.x >= parts.z ? 0 : 2) : (parts.y >= parts.z ? 1 : 2);
+    }
+    /// The layer of a cell's bounds that a plane through the center would lie in which shows as much along each axis.
+    /// It is no thinner than the center's place is uncertain.
+    static Box flat_part(const stand_in_data& data, const Cell& cell) {
+        const glm::vec3 parts = filled_parts(data);
+        const int flat = flat_axis(parts);
+        const float slopes = (parts[(flat + 1) % 3] + parts[(flat + 2) % 3]) / parts[flat];
+        Box box = cell.bounds();
+        const float middle = center_in(data, cell)[flat], half = cell.bounds_half[flat] * (slopes + 1.0f / 64);
+        box.lower[flat] = glm::max(box.lower[flat], middle - half);
+        box.upper[flat] = glm::min(box.upper[flat], middle + half);
+        return box;
+    }
+
     /// Half of a box, less thick along the axis that most is seen along; all of it where as much is seen along another.
     static glm::vec3 without_depth(glm::vec3 half, glm::vec3 parts) {
-        const int flat = parts.x >= parts.y ? (parts.x >= parts.z ? 0 : 2) : (parts.y >= parts.z ? 1 : 2);
+        const int flat = flat_axis(parts);
         const float others = glm::max(parts[(flat + 1) % 3], parts[(flat + 2) % 3]) / parts[flat];
         half[flat] *= others * others;
         return half;
@@ -293,7 +316,7 @@ struct AreaSplat {
     }
     static bool is_nothing(const stand_in_data& data) { return (data[3].a | data[4].a | data[5].a) == 0; }
     static glm::vec3 center_in(const stand_in_data& data, const Cell& cell) {
-        const glm::vec3 place = glm::vec3(data[0].a, data[1].a, data[2].a) * (2.0f / 255) - 1.0f;
+        const glm::vec3 place = glm::vec3(data[0].a & 0xfeu, data[1].a, data[2].a) * (2.0f / 255) - 1.0f;
         return cell.bounds_center + place * cell.bounds_half;
     }
 };

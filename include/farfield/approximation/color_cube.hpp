@@ -170,12 +170,17 @@ struct ColorCube {
         draw_splat(data, cell, faces, view, sink);
     }
 
-    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView&) const {
+    /// All that the contents of a cell may reach. They cover no more of it for that.
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
         glm::vec4 sum(0);
         for (const Rgba8 c : data) sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a));
         const float covered = sum.w * (1.0f / (6 * 255));
         const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255 / glm::max(sum.w, 1.0f)) + 0.5f, glm::vec3(255.0f));
-        return {cell.center, cell.half, covered,
+        const glm::vec3 towards = view.towards_viewer(cell.center);
+        const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);
+        const float unit = length_unit(cell), cells = outline_of(cell.half / unit, w),
+                    all = outline_of(cell.bounds_half / unit, w);
+        return {cell.bounds_center, cell.bounds_half, all > cells ? covered * (cells / all) : covered,
                 Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z),
                       std::uint8_t(law_of_opacity(covered))}};
     }

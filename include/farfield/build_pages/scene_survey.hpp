@@ -14,14 +14,18 @@
 #include <vector>
 
 #include "farfield/build.hpp"
+#include "farfield/build/build_node.hpp"
 #include "farfield/build/build_progress.hpp"
 #include "farfield/build/read_primitives.hpp"
+#include "farfield/build_pages/disk_room.hpp"
 #include "farfield/build_pages/page_build.hpp"
 #include "farfield/build_pages/stream_batches.hpp"
 #include "farfield/build_pages/top_tree.hpp"
 #include "farfield/composition.hpp"
 #include "farfield/fail.hpp"
+#include "farfield/geometry/cell.hpp"
 #include "farfield/hierarchy/fingerprint.hpp"
+#include "farfield/hierarchy/node.hpp"
 #include "farfield/paging/page_format.hpp"
 #include "farfield/storage/checksum.hpp"
 
@@ -100,14 +104,18 @@ class SceneSurvey {
         struct Found {
             std::vector<std::pair<Place, std::uint32_t>> runs;  ///< of items in one place
             Work work;
+            MostCells cells;
         };
         std::vector<Found> found(stream_batches_at_once);
+        MostCells most_cells;
+        const float half = counts.root().half.x;
         WorkSum work_of_all;
         const std::uint64_t count = in_batches<P>(
             stream, build_.control,
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
                 Found& f = found[slot];
                 f.work = {};
+                f.cells = {};
                 f.runs.clear();
                 auto path = counts.path();
                 for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -117,18 +125,29 @@ class SceneSurvey {
                     if (f.runs.empty() || f.runs.back().first != place) f.runs.emplace_back(place, 0u);
                     ++f.runs.back().second;
                     f.work += work;
+                    f.cells.add(item.bounds.largest_side(), half, item.cost);
                 }
             },
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
                 for (const auto& [place, items] : found[slot].runs) counts.add(place, items);
                 work_of_all.add(found[slot].work);
+                most_cells.add(found[slot].cells);
                 report(BuildPhase::counting, first + batch.size(), build_.plan.facts.primitive_count);
             });
         check_stream(count);
         build_.plan.facts.work = work_of_all.total();
         counts.sum_up();
+        const auto& b = build_.options.build;
+        typename Partition_::node_data data{};
+        const bool always = b.partition.choose(counts.root(), {}, data) == Split::always;
+        const float least = always ? 0 : least_cost_to_split(b.approximation, b.cost_model, 1);
+        const unsigned deepest = deepest_level(counts);
+        contents_ = {count, most_cells.cells(deepest, least), most_cells.cells_each(deepest, least),
+                     counts.in_long_runs(max_items_unculled)};
         return counts;
     }
+    /// What pages of the scene will hold. Once cells have been counted.
+    const ContentsOfPages& contents() const { return contents_; }
     /// Throws std::invalid_argument if the stream gave more or fewer primitives than at first.
     void check_stream(std::uint64_t count) const {
         if (count == build_.plan.facts.primitive_count) return;
@@ -141,6 +160,14 @@ class SceneSurvey {
     void report(BuildPhase phase, std::uint64_t done, std::uint64_t all) const {
         if (done / Build::reported_each == (done - 1) / Build::reported_each) return;
         build_.control.report(phase, std::size_t(done), std::size_t(all));
+    }
+    /// That the partition allows, near the middle of the scene, where single precision reaches deepest.
+    static unsigned deepest_level(const CellCounts<Partition_>& counts) {
+        unsigned level = 0;
+        for (Cell cell = counts.root(); level < 64 && counts.is_split(cell); ++level) {
+            cell = counts.partition().child(cell, {}, level == 0 ? 7 : 0);
+        }
+        return level;
     }
     std::uint64_t identity() const {
         std::uint64_t hash = mixed(build_.plan.facts.fingerprint, build_.plan.facts.primitive_count);
@@ -155,6 +182,7 @@ class SceneSurvey {
     }
 
     Build& build_;
+    ContentsOfPages contents_;
 };
 
 }  // namespace detail

@@ -5,6 +5,7 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -52,13 +53,8 @@ class ShareBuilder {
     /// Makes a share of all pages, and leaves files for join().
     template <class Stream>
     void operator()(Stream& stream, PageShare share) {
-        if (share.count == 0 || share.index >= share.count) {
-            fail<std::invalid_argument>("farfield::build_pages: share " + std::to_string(share.index) + " of " +
-                                        std::to_string(share.count));
-        }
-        SceneSurvey<Build> survey(build_);
-        survey.read_bounds(stream);
-        const Tree tree(survey.count_cells(stream), build_.plan.most_items);
+        check(share);
+        const Tree tree = survey_of(stream);
         std::uint64_t needed = 1;
         do {
             // One more try for each cell that is larger than all before it; what goes into a group does not change.
@@ -71,6 +67,14 @@ class ShareBuilder {
             needed = build_groups(stream, tree, share);
         } while (needed != 0);
     }
+    /// Bytes that it takes of the disk meanwhile, at most.
+    template <class Stream>
+    std::uint64_t disk_bytes(Stream& stream, PageShare share) {
+        check(share);
+        const Tree tree = survey_of(stream);
+        build_.plan.page_bytes = std::uint32_t(Records::page_bytes(build_.options.page_bytes, 1));
+        return disk_bytes_of(tree, groups_of(tree, share));
+    }
 
   private:
     /// More keep threads from waiting for one another at the end of each round; a group that comes long before its turn
@@ -80,12 +84,49 @@ class ShareBuilder {
     /// Of what a journal tells, and how what it tells of lies in files.
     static constexpr std::uint64_t journal_version = 2;
 
+    static void check(PageShare share) {
+        if (share.count == 0 || share.index >= share.count) {
+            fail<std::invalid_argument>("farfield::build_pages: share " + std::to_string(share.index) + " of " +
+                                        std::to_string(share.count));
+        }
+    }
+    template <class Stream>
+    Tree survey_of(Stream& stream) {
+        SceneSurvey<Build> survey(build_);
+        survey.read_bounds(stream);
+        const auto counts = survey.count_cells(stream);
+        contents_ = survey.contents();
+        return Tree(counts, build_.plan.most_items);
+    }
+    static std::array<std::size_t, 2> groups_of(const Tree& tree, PageShare share) {
+        return {tree.group_count() * share.index / share.count,
+                tree.group_count() * (share.index + std::size_t(1)) / share.count};
+    }
+    /// Of a share's groups. Primitives lie in one file until pages of them are in another; all cells of the scene may
+    /// be in it, and all of its long runs.
+    std::uint64_t disk_bytes_of(const Tree& tree, std::array<std::size_t, 2> groups) const {
+        ContentsOfPages contents = contents_;
+        std::uint64_t parts = 0;
+        contents.primitives = 0;
+        for (std::size_t g = groups[0]; g < groups[1]; ++g) {
+            contents.primitives += tree.items_of_group(g);
+            parts += tree.group(g).size();
+        }
+        const std::uint64_t moved = contents.primitives * sizeof(P), above = tree.own_items() * sizeof(P);
+        contents.primitives += tree.own_items();
+        contents.cells = std::min(contents.cells, 1 + double(contents.primitives) * contents.cells_each);
+        contents.in_long_runs = std::min(contents.in_long_runs, contents.primitives);
+        // No page is shared by two groups. A journal holds what lies above parts, and drafts of their roots.
+        return moved + std::uint64_t(bytes_of_pages<H, P>(contents, build_.plan.page_bytes)) + build_.first_page() +
+               (groups[1] - groups[0]) * build_.plan.page_bytes + above + parts * sizeof(Part) +
+               tree.nodes().size() * sizeof(TopNode);
+    }
+
     /// Returns 0, or the bytes that one cell needs where pages are too small for it.
     template <class Stream>
     std::uint64_t build_groups(Stream& stream, const Tree& tree, PageShare share) {
         const ShareFiles files(build_.path, share);
-        const std::size_t begin = tree.group_count() * share.index / share.count,
-                          end = tree.group_count() * (share.index + std::size_t(1)) / share.count;
+        const std::size_t begin = groups_of(tree, share)[0], end = groups_of(tree, share)[1];
         BuildJournal journal(
             files.journal(),
             mixed(mixed(mixed(mixed(build_.plan.identity, journal_version), build_.plan.page_bytes), share.index),
@@ -179,14 +220,11 @@ class ShareBuilder {
                                         " levels, and take more than half of memory_bytes");
         }
         std::vector<std::uint64_t> counts;
-        std::uint64_t all = 0;
         const std::uint32_t first_part = begin < end ? tree.nodes()[tree.group(begin)[0]].part : 0;
         for (std::size_t g = begin; g < end; ++g) {
-            for (const std::uint32_t n : tree.group(g)) all += counts.emplace_back(tree.nodes()[n].items);
+            for (const std::uint32_t n : tree.group(g)) counts.push_back(tree.nodes()[n].items);
         }
-        // No page is shared by two groups.
-        check_disk_room(build_.path, disk_bytes_of_build<P>(all) + (end - begin) * build_.plan.page_bytes,
-                        build_.options.most_disk_bytes);
+        check_disk_room(build_.path, disk_bytes_of(tree, {begin, end}), build_.options.most_disk_bytes);
         to.own_items.resize(std::size_t(tree.own_items()));
         std::vector<std::uint32_t> next_own;
         for (const TopNode& n : tree.nodes()) next_own.push_back(n.own_begin);
@@ -237,6 +275,7 @@ class ShareBuilder {
     }
 
     Build& build_;
+    ContentsOfPages contents_;
 };
 
 }  // namespace detail

@@ -93,6 +93,14 @@ class CellCounts {
     }
     std::uint64_t total(unsigned depth, std::size_t at) const { return total_[depth][at]; }
     std::uint64_t own(unsigned depth, std::size_t at) const { return own_[depth][at]; }
+    /// Items of cells that keep more than `most` of them, but for the last level, which is not split.
+    std::uint64_t in_long_runs(std::uint32_t most) const {
+        std::uint64_t sum = 0;
+        for (std::size_t depth = 0; depth + 1 < own_.size(); ++depth) {
+            for (const std::uint32_t items : own_[depth]) sum += items > most ? items : 0;
+        }
+        return sum;
+    }
     unsigned levels() const { return unsigned(own_.size() - 1); }
     const Cell& root() const { return root_; }
     /// Whether the partition allows it.

@@ -4,7 +4,7 @@
 
 #include "farfield/settings.hpp"
 
-#include <cstddef>
+#include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -19,17 +19,20 @@
 namespace farfield::detail {
 
 /// A splat over all of the picture that the part of a box before the near plane may cover, as deep as the box reaches:
-/// what is known of the cells in it lies in front. Nothing if no part of it does, or if the view is no perspective.
+/// what is known of the cells in it lies in front. Nothing if no part of it does.
 inline std::optional<Splat> splat_over(const ContentsBox& box, const LocalView& view) {
-    if (!view.is_perspective || !(box.opacity > 0)) return {};
+    if (!(box.opacity > 0)) return {};
     const auto in_view = [&](glm::vec3 d) {
         return glm::vec3(glm::dot(view.right, d), glm::dot(view.up, d), glm::dot(view.forward, d));
     };
     const glm::vec3 center = in_view(box.center - view.eye);
     const glm::vec3 sides[3] = {in_view({box.half.x, 0, 0}), in_view({0, box.half.y, 0}), in_view({0, 0, box.half.z})};
-    const float nearest = view.near_depth,
-                farthest = center.z + glm::abs(sides[0].z) + glm::abs(sides[1].z) + glm::abs(sides[2].z);
+    const glm::vec3 reach = glm::abs(sides[0]) + glm::abs(sides[1]) + glm::abs(sides[2]);
+    const float nearest = view.near_depth, farthest = center.z + reach.z;
     if (!(farthest > nearest)) return {};
+    if (!view.is_perspective) {
+        return Splat{box.center + reach.z * view.forward, 2.0f * glm::vec2(reach), box.opacity, box.rgb};
+    }
 
     // Beyond the picture there is nothing to cover, and next to the eye there is no end of it.
     const glm::vec2 whole(view.part.whole_width, view.part.whole_height);
@@ -40,19 +43,19 @@ inline std::optional<Splat> splat_over(const ContentsBox& box, const LocalView& 
         low = glm::min(low, at);
         high = glm::max(high, at);
     };
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        const auto at = [&](unsigned of) {
-            glm::vec3 p = center;
-            for (unsigned axis = 0; axis < 3; ++axis) p += of >> axis & 1 ? sides[axis] : -sides[axis];
-            return p;
-        };
-        const glm::vec3 p = at(corner);
+    std::array<glm::vec3, 8> corners;
+    for (unsigned c = 0; c < 8; ++c) {
+        corners[c] =
+            center + (c & 1 ? sides[0] : -sides[0]) + (c & 2 ? sides[1] : -sides[1]) + (c & 4 ? sides[2] : -sides[2]);
+    }
+    for (unsigned c = 0; c < 8; ++c) {
+        const glm::vec3 p = corners[c];
         if (p.z >= nearest) {
             add(p);
             continue;
         }
         for (unsigned axis = 0; axis < 3; ++axis) {
-            const glm::vec3 q = at(corner ^ 1u << axis);
+            const glm::vec3 q = corners[c ^ 1u << axis];
             if (!(q.z > nearest)) continue;
             const float t = (nearest - p.z) / (q.z - p.z);
             add({glm::vec2(p) + t * (glm::vec2(q) - glm::vec2(p)), nearest});
