@@ -33,6 +33,7 @@
 #include "farfield/build_pages/ordered_results.hpp"
 #include "farfield/cost_model/triangle_count.hpp"
 #include "farfield/executor.hpp"
+#include "farfield/paging/file_notes.hpp"
 #include "farfield/paging/open_pages.hpp"
 #include "farfield/paging/write_pages.hpp"
 #include "farfield/partition/octree.hpp"
@@ -140,6 +141,30 @@ TEST_CASE("A file of pages has the same bytes however it was built") {
             CHECK(std::distance(std::filesystem::directory_iterator(directory.path()), {}) == 1);
         }
     }
+}
+
+TEST_CASE("Notes go into the file of all shares, and are those of the build that made it") {
+    const TemporaryDirectory directory;
+    const Triangles scene = mixed_triangles(5000, 11);
+    auto options = in_many_parts<Tensors>();
+    const auto path = directory.path() / "scene.farfield";
+    build_pages<Tensors, Triangle>(stream_of(scene), path, options);
+    const Notes notes{{"origin", "1 2 3"}, {"of", "a scene"}};
+    write_notes(notes, path);
+    const std::vector<char> expected = bytes_of_file(path);
+    options.notes = {{"origin", "of a build that was stopped"}};
+    build_page_share<Tensors, Triangle>(stream_of(scene), path, {0, 2}, options);
+    options.notes = notes;
+    build_page_share<Tensors, Triangle>(stream_of(scene), path, {1, 2}, options);
+    CHECK_THROWS_WITH((join_page_shares<Tensors, Triangle>(path, 2, options)),
+                      Catch::Matchers::Contains("another scene"));
+    build_page_share<Tensors, Triangle>(stream_of(scene), path, {0, 2}, options);
+    options.notes = {};  // joined by whoever does not know them
+    join_page_shares<Tensors, Triangle>(path, 2, options);
+    CHECK(bytes_of_file(path) == expected);
+    CHECK((open_pages<Tensors, Triangle>(path).notes() == notes));
+    options.notes = {{"long", std::string(17u << 20, ' ')}};
+    CHECK_THROWS_AS((build_pages<Tensors, Triangle>(stream_of(scene), path, options)), std::invalid_argument);
 }
 
 TEST_CASE("Results of many threads are used in order, by one of them at a time") {

@@ -104,15 +104,3 @@ foreach(format IN ITEMS off ply gltf xyz pts dump)
     message(SEND_ERROR "${format}, pages: a model at zero was moved by ${place}")
   endif()
 endforeach()
-
-# An origin that is none is refused.
-if(BUILD)
-  file(WRITE "${pages}.origin" "1 2\n")
-  execute_process(
-    COMMAND ${EMULATOR} "${EXPORT}" "${pages}" "${DIRECTORY}/paged"
-    RESULT_VARIABLE status
-    ERROR_VARIABLE err)
-  if(NOT status EQUAL 2 OR NOT err MATCHES "^farfield_export: [^\n]*model.farfield.origin: [^\n]+\n$")
-    message(SEND_ERROR "half an origin: expected status 2 and one line, got status ${status}:\n${err}")
-  endif()
-endif()

@@ -5,7 +5,7 @@
 // Under MPI (mpirun -np N farfield_build ...) every process builds a share, and the first joins them. Whatever was
 // stopped, or lost with its process, goes on when the same command is given again.
 //
-// Of a model that lies far from zero OUT.farfield.origin says how far, which pages do not (scenes/paged_origin.hpp).
+// Of a model that lies far from zero a note says how far, which pages do not (scenes/paged_origin.hpp).
 #include <chrono>
 #include <CLI/CLI.hpp>
 #include <cstdint>
@@ -148,7 +148,7 @@ void build(const Request& request, const Processes& processes) {
     }();
     farfield::PageShare share{std::uint32_t(processes.index), std::uint32_t(processes.count)};
     if (!request.share.empty()) share = parse_share(request.share);
-    if (share.index == 0) farfield::scenes::keep_origin(request.out, scene.origin);
+    options.notes = farfield::scenes::notes_of_origin(scene.origin);
     farfield::build_page_share<H, P>(scene.triangles, request.out, share, options);
     if (!request.share.empty()) return;
     processes.wait_for_all();

@@ -128,7 +128,7 @@ bool export_pages(const Request& request) {
     cache.most_bytes = std::size_t(request.memory_mib << 20);
     auto pages = farfield::open_pages<H, PagedPrimitive>(request.scene, cache);
     farfield_export::ExportOptions options = request.options;
-    options.origin = farfield::scenes::kept_origin(request.scene);
+    options.origin = farfield::scenes::origin_in(pages.notes(), request.scene);
     const Times times;
     const auto written = farfield_export::export_tiles(pages, storing_in(request.folder), options);
     report(written, pages.primitive_count(), times);

@@ -1,43 +1,33 @@
 #include "scenes/paged_origin.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
-#include <string>
 
 namespace farfield::scenes {
 namespace {
-
-std::filesystem::path beside(std::filesystem::path pages) {
-    pages += ".origin";
-    return pages;
+constexpr const char* name = "origin";
 }
 
-}  // namespace
-
-void keep_origin(const std::filesystem::path& pages, glm::dvec3 origin) {
-    const std::filesystem::path file = beside(pages);
-    // What an earlier scene has left behind.
-    std::filesystem::remove(file);
-    if (origin == glm::dvec3(0)) return;
-    std::ofstream out(file);
+Notes notes_of_origin(glm::dvec3 origin) {
+    if (origin == glm::dvec3(0)) return {};
+    std::ostringstream out;
     out.precision(std::numeric_limits<double>::max_digits10);
     out << origin.x << ' ' << origin.y << ' ' << origin.z << '\n';
-    out.close();
-    if (!out) throw std::runtime_error(file.string() + ": cannot be written");
+    return {{name, out.str()}};
 }
 
-glm::dvec3 kept_origin(const std::filesystem::path& pages) {
-    const std::filesystem::path file = beside(pages);
-    if (!std::filesystem::exists(file)) return glm::dvec3(0);
-    std::ifstream in(file);
+glm::dvec3 origin_in(const Notes& notes, const std::string& file) {
+    const auto note = notes.find(name);
+    if (note == notes.end()) return glm::dvec3(0);
+    std::istringstream in(note->second);
     glm::dvec3 origin(0);
     std::string more;
     in >> origin.x >> origin.y >> origin.z;
     const bool holds_three = !in.fail() && !(in >> more);
     if (!holds_three || !std::isfinite(origin.x) || !std::isfinite(origin.y) || !std::isfinite(origin.z))
-        throw std::runtime_error(file.string() + ": is not an origin of three finite numbers");
+        throw std::runtime_error(file + ": its note 'origin' is not one of three finite numbers");
     return origin;
 }
 

@@ -1,18 +1,19 @@
 // Where the zero of a file of pages lies. Its coordinates are in single precision, as those of a Scene are, and like
-// that they leave out how far away the scene is (Scene::origin).
+// that they leave out how far away the scene is (Scene::origin); a note of the file tells.
 #pragma once
 
-#include <filesystem>
 #include <glm/vec3.hpp>
+#include <string>
+
+#include "farfield/storage/notes.hpp"
 
 namespace farfield::scenes {
 
-/// In a file beside the pages, PAGES.origin: three numbers, and a file only where they are not 0. Throws
-/// std::runtime_error that names the file if it cannot be written.
-void keep_origin(const std::filesystem::path& pages, glm::dvec3 origin);
+/// Three numbers in a note; none where they are 0, so that such a file is as any other.
+Notes notes_of_origin(glm::dvec3 origin);
 
-/// What has been kept, or 0. Throws std::runtime_error that names the file if it holds anything else than three finite
-/// numbers.
-glm::dvec3 kept_origin(const std::filesystem::path& pages);
+/// What a file's notes tell, or 0. Throws std::runtime_error that names `file` if they tell anything else than three
+/// finite numbers.
+glm::dvec3 origin_in(const Notes& notes, const std::string& file);
 
 }  // namespace farfield::scenes

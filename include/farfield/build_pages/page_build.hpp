@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "farfield/build.hpp"
 #include "farfield/build_pages/page_share.hpp"
@@ -21,6 +23,7 @@
 #include "farfield/paging/page_forest.hpp"
 #include "farfield/paging/page_format.hpp"
 #include "farfield/sampler/grid_sampler.hpp"
+#include "farfield/storage/notes.hpp"
 
 namespace farfield {
 
@@ -42,6 +45,8 @@ struct PageBuildOptions {
     /// What the build, or a share of it, may take of the disk; what is free there is a limit anyway. One that needs
     /// more (disk_bytes_of_build) is refused before anything is moved.
     std::uint64_t most_disk_bytes = std::numeric_limits<std::uint64_t>::max();
+    /// They go into the file. All shares have the same; whoever joins them need not.
+    Notes notes{};
 };
 
 namespace detail {
@@ -57,7 +62,10 @@ struct PageBuild {
 
     /// Throws std::invalid_argument if an option makes no sense.
     PageBuild(const std::filesystem::path& target, const PageBuildOptions<H, Sampler>& all_options)
-        : path(target), options(all_options), control(all_options.build.executor, all_options.build.progress) {
+        : path(target),
+          options(all_options),
+          control(all_options.build.executor, all_options.build.progress),
+          notes(bytes_of_notes(all_options.notes)) {
         check_build_options(options.build);
         if (!options.build.approximation.merges_children()) {
             fail<std::invalid_argument>(
@@ -77,6 +85,7 @@ struct PageBuild {
     const std::filesystem::path& path;
     const PageBuildOptions<H, Sampler>& options;
     BuildControl control;
+    std::vector<std::byte> notes;
     SharedPlan plan;
 
     static constexpr unsigned counted_levels = 7;

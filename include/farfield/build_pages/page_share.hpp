@@ -76,12 +76,13 @@ struct ShareRecord {
     std::vector<TopNode> top_nodes;
     std::vector<P> own_items;              ///< of cells above parts, depth first
     std::vector<std::uint64_t> scattered;  ///< sum_of_scattered() of each part of the share
+    std::vector<std::byte> notes;          ///< as they lie in the file
     std::vector<BuiltPart<A>> parts;
     std::uint32_t groups = 0;  ///< that have been built
     std::uint32_t pages = 0;   ///< that they take
 
     static RecordBytes plan_record(const SharedPlan& plan, std::span<const TopNode> nodes, std::span<const P> own_items,
-                                   std::span<const std::uint64_t> scattered) {
+                                   std::span<const std::uint64_t> scattered, std::span<const std::byte> notes) {
         RecordBytes r;
         r.put(plan);
         r.put(std::uint64_t(nodes.size()));
@@ -90,6 +91,8 @@ struct ShareRecord {
         r.put(own_items);
         r.put(std::uint64_t(scattered.size()));
         r.put(scattered);
+        r.put(std::uint64_t(notes.size()));
+        r.put(notes);
         return r;
     }
     static RecordBytes group_record(std::uint32_t pages, std::span<const BuiltPart<A>> parts) {
@@ -102,7 +105,7 @@ struct ShareRecord {
     /// Takes in a journal, as far as it goes; false if it has not even begun.
     bool read(std::vector<RecordBytes>& records) {
         if (records.empty() || !records[0].get(plan) || !get_all(records[0], top_nodes) ||
-            !get_all(records[0], own_items) || !get_all(records[0], scattered)) {
+            !get_all(records[0], own_items) || !get_all(records[0], scattered) || !get_all(records[0], notes)) {
             return false;
         }
         for (std::size_t i = 1; i < records.size(); ++i) {

@@ -178,6 +178,7 @@ class SceneSurvey {
             hash = mixed(hash, Xxh64::of(bytes));
         }
         if constexpr (MadeOfNumbers<Sampler>) hash = mixed(hash, Xxh64::of(bytes_of(build_.options.build.sampler)));
+        hash = mixed(hash, Xxh64::of(build_.notes));
         return mixed(mixed(hash, build_.plan.most_items), build_.options.page_bytes);
     }
 

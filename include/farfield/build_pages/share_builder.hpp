@@ -82,7 +82,7 @@ class ShareBuilder {
     static constexpr std::size_t groups_at_once = 16;
 
     /// Of what a journal tells, and how what it tells of lies in files.
-    static constexpr std::uint64_t journal_version = 2;
+    static constexpr std::uint64_t journal_version = 3;
 
     static void check(PageShare share) {
         if (share.count == 0 || share.index >= share.count) {
@@ -119,7 +119,7 @@ class ShareBuilder {
         // No page is shared by two groups. A journal holds what lies above parts, and drafts of their roots.
         return moved + std::uint64_t(bytes_of_pages<H, P>(contents, build_.plan.page_bytes)) + build_.first_page() +
                (groups[1] - groups[0]) * build_.plan.page_bytes + above + parts * sizeof(Part) +
-               tree.nodes().size() * sizeof(TopNode);
+               tree.nodes().size() * sizeof(TopNode) + 2 * build_.notes.size();
     }
 
     /// Returns 0, or the bytes that one cell needs where pages are too small for it.
@@ -145,7 +145,8 @@ class ShareBuilder {
                 build_.plan.top_pages = top.page_count();
             }
             FileInPlace(files.pages(), /*is_new=*/true);
-            journal.append(ShareRecord<A, P>::plan_record(build_.plan, tree.nodes(), known.own_items, known.scattered));
+            journal.append(ShareRecord<A, P>::plan_record(build_.plan, tree.nodes(), known.own_items, known.scattered,
+                                                          build_.notes));
         } else {
             build_.plan = known.plan;
         }

@@ -72,6 +72,7 @@ class ShareJoiner {
         if (tree.has_top()) root = TopPages<Build>(build_).write(tree, parts, shares[0].own_items, out);
         root.items = build_.plan.facts.report.items;
         append_pages(shares, files, out);
+        out.write_at(build_.offset_of(pages), shares[0].notes);
         // Only now does the file begin like one.
         out.sync();
         out.write_at(0, page_file_head<H, P>(build_.options.build.partition, build_.options.build.approximation,
