@@ -182,9 +182,14 @@ class PagedRun {
         if (!options_.error) return;
         const farfield::MeasuredWith with{"z-buffer", options_.width, options_.height};
         if (options_.measures_errors) measure(pages, with, cameras, result);
-        std::optional<farfield::SampledErrorTable> table =
-            result.was_measured ? farfield::kept_error_table(with, pages, std::filesystem::path(result.where))
-                                : farfield::kept_error_table(with, pages);
+        std::optional<farfield::SampledErrorTable> table;
+        try {
+            table = result.was_measured ? farfield::kept_error_table(with, pages, std::filesystem::path(result.where))
+                                        : farfield::kept_error_table(with, pages);
+        } catch (const std::runtime_error&) {
+            // What nobody asked for keeps no scene from being shown.
+            if (options_.error_is_asked || options_.measures_errors || !options_.more_samples.empty()) throw;
+        }
         const bool has_samples = table && (!options_.more_samples.empty() || is_measured_at(*table, options_.samples));
         if (!has_samples) {
             if (!options_.error_is_asked && options_.more_samples.empty()) return;

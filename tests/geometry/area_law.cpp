@@ -63,6 +63,17 @@ TEST_CASE("what a small area takes is right in proportion", "[geometry]") {
     for (const AreaLaw law : laws) CHECK(transmitted(1, infinity, law) == 0);
 }
 
+TEST_CASE("the area that takes a part is the logarithm of what it leaves", "[geometry]") {
+    for (float part = 0; part < 1; part = std::max(part * 1.01f, std::nextafter(part, 1.0f))) {
+        const double expected = -std::log(1 - double(part));
+        CHECK(std::abs(double(detail::absorbing_area(part)) - expected) <= 1e-7 + 1e-6 * expected);
+        CHECK(std::abs(detail::absorbed(detail::absorbing_area(part)) - part) <= 2e-5f);
+        if (part < 1e-9f) part = 1e-9f;
+    }
+    CHECK(detail::absorbing_area(0) == 0);
+    CHECK(detail::absorbed(detail::absorbing_area(1)) == 1);
+}
+
 TEST_CASE("an area may be split into any parts", "[geometry]") {
     Random random(4);
     for (int i = 0; i < 3000; ++i) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "catch.hpp"
@@ -53,6 +54,12 @@ TEST_CASE("notes come back as they were, and equal ones give equal bytes") {
     for (auto note = some.rbegin(); note != some.rend(); ++note) in_another_order.insert(*note);
     CHECK(bytes_of_notes(in_another_order) == bytes);
     CHECK_THROWS_AS(bytes_of_notes({{"much", std::string(most_note_bytes, ' ')}}), std::invalid_argument);
+    Notes many;
+    while (many.size() < 4096) many[std::to_string(many.size())];
+    CHECK(wrong_notes(bytes_of_notes(many), back).empty());
+    CHECK(back == many);
+    many["one more"];
+    CHECK_THROWS_AS(bytes_of_notes(many), std::invalid_argument);
 }
 
 TEST_CASE("a changed byte of notes is found, wherever it is, and so is a missing one") {
@@ -74,7 +81,10 @@ TEST_CASE("notes that lie with a right checksum are refused, and read nothing th
     const Stored bytes = bytes_of_notes(some);
     const std::uint64_t size = bytes.size();
     CHECK(wrong(with_header(bytes, 5, size)) == "is damaged: it has fewer notes than it says");
-    CHECK(wrong(with_header(bytes, 0xffffffffu, size)) == "is damaged: it has fewer notes than it says");
+    for (const std::uint32_t count : {0u, 4097u, 0xffffffffu}) {
+        CHECK(wrong(with_header(bytes, count, size)) ==
+              "is damaged: it says that it has " + std::to_string(count) + " notes");
+    }
     CHECK(wrong(with_header(bytes, 3, size)) == "is damaged: something follows its last note");
     CHECK(wrong(with_header(bytes, 4, ~std::uint64_t(0))).rfind("is truncated: its notes have ", 0) == 0);
     const auto twice = [&](const char* first, const char* second) {

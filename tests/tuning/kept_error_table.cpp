@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "farfield/approximation/area_splat.hpp"
 #include "farfield/approximation/color_cube.hpp"
 #include "farfield/approximation/color_cube_cluster.hpp"
 #include "farfield/build.hpp"
@@ -182,6 +183,25 @@ TEST_CASE("a table that was put into the file of another hierarchy is refused by
                           Catch::Matchers::Contains("another hierarchy"));
     CHECK_THROWS_AS(kept_error_table(with, scene.hierarchy, directory / "none"), std::runtime_error);
     CHECK_THROWS_AS(keep_error_table(some_table(), with, scene.hierarchy, directory.path()), std::runtime_error);
+}
+
+TEST_CASE("a table belongs to the options that its hierarchy was built with, in files of any kind") {
+    const TemporaryDirectory directory;
+    const auto triangles = ::scene(300);
+    using Splats = SpatialHierarchy<Octree, AreaSplat, TriangleCount>;
+    const auto some = build<Splats>(triangles, {.approximation = {.shown = 0.5f}}),
+               others = build<Splats>(triangles, {.approximation = {.shown = 0.9f}});
+    CHECK(identity_of(some) != identity_of(others));
+    save(some, directory / "plain");
+    save_pages<Splats, Triangle>(some, triangles, directory / "pages");
+    pack_pages(NoCodec(), directory / "pages", directory / "packed");
+    for (const char* name : {"plain", "pages", "packed"}) {
+        CHECK_THROWS_WITH(keep_error_table(some_table(), with, others, directory / name),
+                          Catch::Matchers::Contains("another hierarchy"));
+        keep_error_table(some_table(), with, some, directory / name);
+        CHECK(kept_error_table(with, some, directory / name));
+    }
+    CHECK(identity_of(open_pages<Splats, Triangle>(directory / "pages")) == identity_of(some));
 }
 
 TEST_CASE("what tables were measured with is told, and nothing else that is noted") {

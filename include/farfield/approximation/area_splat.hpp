@@ -316,7 +316,8 @@ struct AreaSplat {
     }
     static bool is_nothing(const stand_in_data& data) { return (data[3].a | data[4].a | data[5].a) == 0; }
     static glm::vec3 center_in(const stand_in_data& data, const Cell& cell) {
-        const glm::vec3 place = glm::vec3(data[0].a & 0xfeu, data[1].a, data[2].a) * (2.0f / 255) - 1.0f;
+        const glm::vec3 place =
+            glm::vec3(data[0].a & 0xfeu, data[1].a, data[2].a) * (2.0f / glm::vec3(254, 255, 255)) - 1.0f;
         return cell.bounds_center + place * cell.bounds_half;
     }
 };

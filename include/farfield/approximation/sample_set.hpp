@@ -9,7 +9,6 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -208,9 +207,9 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         float covered_by_drawn(float a, AreaLaw law) const {
             switch (law) {
                 case AreaLaw::independent:
-                    return 1 - std::pow(1 - a, drawn);
+                    return detail::absorbed(drawn * detail::absorbing_area(a));
                 case AreaLaw::mixed:
-                    return 2 - 2 * std::pow(1 - 0.5f * a, drawn);
+                    return 2 * detail::absorbed(drawn * detail::absorbing_area(0.5f * a));
                 default:
                     return a * drawn;
             }

@@ -8,6 +8,7 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -35,6 +36,8 @@ struct PlaceOfNotes {
     bool is_packed = false;
     HierarchyFacts facts;
     std::uint32_t approximation_tag = 0;
+    std::uint64_t checksum_of_options = 0;  ///< of policies; 0 where `options` say where they lie
+    std::array<SectionEntry, 3> options{};
 };
 
 inline constexpr std::size_t most_header_bytes =
@@ -45,6 +48,13 @@ inline std::uint32_t approximation_tag_of(const FileHeader& header) {
 }
 inline std::uint32_t approximation_tag_of(const PageFileHeader& header) {
     return header.records[1];
+}
+
+inline void place_options(const FileHeader& header, PlaceOfNotes& place) {
+    std::copy_n(header.sections.begin(), place.options.size(), place.options.begin());
+}
+inline void place_options(const PageFileHeader& header, PlaceOfNotes& place) {
+    place.checksum_of_options = header.checksum_of_options;
 }
 
 /// Of a file of `size` bytes, of which `head` are the first.
@@ -58,9 +68,11 @@ std::string wrong_end(std::span<const std::byte> head, std::uint64_t size, std::
     if (header.checksum != Xxh64::of(head.first(offsetof(Header, checksum)))) {
         return "is damaged: the checksum of its header is wrong";
     }
+    if (header.file_bytes < sizeof header) return "is damaged: it says that it ends within its header";
     place.begin = header.file_bytes;
     place.facts = header.facts;
     place.approximation_tag = approximation_tag_of(header);
+    place_options(header, place);
     return size < place.begin ? "is truncated" : "";
 }
 
@@ -113,6 +125,21 @@ struct FileWithNotes {
     void refuse_if(const std::string& why) const {
         if (!why.empty()) refuse_file(function.c_str(), path, why);
     }
+    /// As of a hierarchy in memory (identity_by()).
+    std::uint64_t checksum_of_options() {
+        constexpr std::uint64_t most_bytes = 65536;  // they are a few numbers
+        if (place.checksum_of_options != 0) return place.checksum_of_options;
+        std::vector<std::byte> bytes;
+        for (const SectionEntry& o : place.options) {
+            if (o.record_bytes > most_bytes || o.count > most_bytes || o.bytes() > most_bytes) {
+                refuse_if("is damaged: its options are not whole");
+            }
+            const std::size_t begin = bytes.size();
+            bytes.resize(begin + std::size_t(o.bytes()));
+            if (o.bytes() != 0) read(o.offset, std::span(bytes).subspan(begin));
+        }
+        return Xxh64::of(bytes);
+    }
     Notes notes() {
         return notes_at(
             place.begin, source.size(),
@@ -145,7 +172,8 @@ inline Notes read_notes(std::span<const std::byte> bytes) {
 
 /// Puts notes into a file, in place of those that are there; none takes them out, and what is left is as if there had
 /// never been any, byte for byte. There is the old file or the whole new one, never a part, and programs that have the
-/// old one open keep it. Throws std::runtime_error as read_notes() and save() do.
+/// old one open keep it. Throws std::runtime_error as read_notes() and save() do; std::invalid_argument where notes are
+/// longer than 16 MiB together, or more than 4096.
 inline void write_notes(const Notes& notes, const std::filesystem::path& path) {
     detail::FileWithNotes file("write_notes", path);
     const std::vector<std::byte> behind = detail::bytes_of_notes(notes);

@@ -89,7 +89,7 @@ std::string wrong_page_file(std::span<const std::byte> bytes, PageFileHeader& he
 /// The reason to refuse what follows the pages; empty if it is notes. There are `file_bytes` in all.
 inline std::string wrong_notes_of_pages(std::span<const std::byte> rest, const PageFileHeader& header,
                                         std::uint64_t file_bytes, Notes& notes) {
-    if (may_be_notes(rest) && file_bytes - header.file_bytes == rest.size()) return wrong_notes(rest, notes);
+    if (may_be_notes(rest)) return wrong_notes(rest, notes);
     return wrong_size_of_pages("is too long", header, file_bytes);
 }
 
@@ -130,7 +130,8 @@ PagedHierarchy<H, P> open_pages_of(std::shared_ptr<S> source, const std::string&
     refuse_if(detail::wrong_page_file<H, P>(read(0, std::size_t(std::min<std::uint64_t>(size, sizeof header))), header,
                                             size));
     if (size > header.file_bytes) {
-        const std::uint64_t behind = std::min(size - header.file_bytes, detail::most_note_bytes);
+        const std::uint64_t behind = size - header.file_bytes;
+        if (behind > detail::most_note_bytes) refuse_if(detail::wrong_size_of_pages("is too long", header, size));
         refuse_if(
             detail::wrong_notes_of_pages(read(header.file_bytes, std::size_t(behind)), header, size, file->notes));
     }

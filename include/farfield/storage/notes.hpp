@@ -38,6 +38,7 @@ inline constexpr std::array<std::uint8_t, 8> notes_magic{0x89, 'F', 'F', 'N', '\
 inline constexpr std::uint32_t notes_version = 1;
 /// A reader takes memory for all of them, whatever a file says.
 inline constexpr std::uint64_t most_note_bytes = 16u << 20;
+inline constexpr std::uint32_t most_notes = 4096;
 
 struct NotesHeader {
     std::array<std::uint8_t, 8> magic = notes_magic;
@@ -60,13 +61,17 @@ inline bool may_be_notes(std::span<const std::byte> bytes) {
 }
 
 /// What a file holds of notes; nothing where there are none. Throws std::invalid_argument where they are longer than
-/// 16 MiB together.
+/// 16 MiB together, or more than 4096.
 inline std::vector<std::byte> bytes_of_notes(const Notes& notes) {
     if (notes.empty()) return {};
     NotesHeader header;
     header.count = std::uint32_t(notes.size());
     header.bytes = sizeof header;
     for (const auto& [name, text] : notes) header.bytes += 2 * sizeof(std::uint32_t) + name.size() + text.size();
+    if (notes.size() > most_notes) {
+        fail<std::invalid_argument>("farfield::Notes: there are " + std::to_string(notes.size()) + ", more than the " +
+                                    std::to_string(most_notes) + " that a file has");
+    }
     if (header.bytes > most_note_bytes) {
         fail<std::invalid_argument>("farfield::Notes: they take " + std::to_string(header.bytes) +
                                     " bytes, more than the " + std::to_string(most_note_bytes) + " that a file has");
@@ -105,6 +110,9 @@ inline std::string wrong_notes(std::span<const std::byte> bytes, Notes& notes) {
     }
     auto rest = bytes.subspan(sizeof header);
     if (header.checksum != header.checksum_with(rest)) return "is damaged: the checksum of its notes is wrong";
+    if (header.count == 0 || header.count > most_notes) {
+        return "is damaged: it says that it has " + std::to_string(header.count) + " notes";
+    }
     notes.clear();
     for (std::uint32_t i = 0; i < header.count; ++i) {
         std::uint32_t lengths[2];

@@ -1,5 +1,5 @@
 // A hierarchy from a file or a buffer, used where it lies: nothing is parsed or copied, pages come in as frames touch
-// them.
+// them. Notes of the file (read_notes() in paging/file_notes.hpp) are no part of it: whoever saves it again gives them.
 #pragma once
 
 #include "farfield/settings.hpp"

@@ -155,7 +155,8 @@ class FileContents {
 
 /// Writes beside `path` and renames, so that there is the old file or the whole new one, never a part. Programs that
 /// have the old one open keep it. Equal hierarchies and notes give equal files. Throws std::runtime_error that names
-/// the file and the reason; nothing is left behind then.
+/// the file and the reason; nothing is left behind then. Throws std::invalid_argument where notes are longer than
+/// 16 MiB together, or more than 4096.
 template <Storable H>
 void save(const H& hierarchy, const std::filesystem::path& path, const Notes& notes = {}) {
     const detail::FileContents<H> contents(hierarchy, notes, path);

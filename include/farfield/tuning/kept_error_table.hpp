@@ -8,7 +8,7 @@
 //
 // A table is a note (storage/notes.hpp), and text, because people look into it: `tail -c 2000 scene.farfield` shows it.
 // There is one for each renderer and size of picture; another renderer errs otherwise, and so do larger pictures. Where
-// no file is wanted, notes are made and read alike: save() and open() in memory take them along.
+// no file is wanted, notes are made and read alike: save() to memory takes them along, read_notes() finds them there.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -51,22 +51,38 @@ struct MeasuredWith {
 };
 
 namespace detail {
-inline std::uint64_t identity_by(const HierarchyFacts& facts, std::uint32_t approximation_tag) {
-    return mixed(Xxh64::of(bytes_of(facts)), approximation_tag);
+inline std::uint64_t identity_by(const HierarchyFacts& facts, std::uint32_t approximation_tag,
+                                 std::uint64_t checksum_of_options) {
+    return mixed(mixed(Xxh64::of(bytes_of(facts)), approximation_tag), checksum_of_options);
 }
 }  // namespace detail
 
-/// What tells hierarchies apart: their facts, the primitives' fingerprint among them, and how they are approximated.
-/// One that was saved, or cut into pages, has that of the one in memory.
+/// What tells hierarchies apart: their facts, the primitives' fingerprint among them, how they are approximated, and
+/// the options of their policies. One that was saved, or cut into pages, has that of the one in memory.
 template <class H>
 std::uint64_t identity_of(const H& hierarchy) {
-    return detail::identity_by(hierarchy.facts(), H::approximation_type::facts.file_tag);
+    using A = typename H::approximation_type;
+    std::vector<std::byte> options;
+    for (const auto& bytes : {detail::bytes_of(hierarchy.partition_policy()),
+                              detail::bytes_of<detail::stored_approximation_of<A>>(hierarchy.approximation_policy()),
+                              detail::bytes_of(hierarchy.cost_policy())}) {
+        options.insert(options.end(), bytes.begin(), bytes.end());
+    }
+    return detail::identity_by(hierarchy.facts(), A::facts.file_tag, detail::Xxh64::of(options));
 }
 
 namespace detail {
 
 inline constexpr int error_table_version = 3;
 inline constexpr std::string_view error_note = "errors ";  ///< what its name begins with
+
+/// As a message shows it, whatever it is: short, and of characters that can be seen.
+inline std::string as_shown(std::string_view text) {
+    constexpr std::size_t most = 40;
+    std::string shown(text.substr(0, most));
+    for (char& c : shown) c = c >= ' ' && c <= '~' ? c : '?';
+    return text.size() > most ? shown + "..." : shown;
+}
 
 /// As short as it can be and come back to the last bit.
 template <class Number>
@@ -122,14 +138,14 @@ class ErrorTableText {
     void read(std::string_view digits, Number& value) const {
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
         if (digits.empty() || end != digits.data() + digits.size() || error != std::errc()) {
-            refuse("expected a number, found '" + std::string(digits) + "'");
+            refuse("expected a number, found '" + as_shown(digits) + "'");
         }
     }
     void read_line(std::string_view line) {
         const std::string_view word = next_word(line);
         if (word.empty() || word.front() == '#') return;
         if (version_ == 0) {
-            if (word != "version") refuse("expected 'version', found '" + std::string(word) + "'");
+            if (word != "version") refuse("expected 'version', found '" + as_shown(word) + "'");
             read(next_word(line), version_);
             if (version_ != error_table_version) {
                 refuse("it is of version " + std::to_string(version_) + ", and this library reads version " +
@@ -145,7 +161,7 @@ class ErrorTableText {
             read(next_word(line), rows.samples);
             read(next_word(line), rows.exact_cost);
         } else if (all_.empty()) {
-            refuse("'" + std::string(word) + "' comes before any number of samples");
+            refuse("'" + as_shown(word) + "' comes before any number of samples");
         } else if (word == "least_saving") {
             read(next_word(line), all_.back().least_saving);
         } else {
@@ -155,7 +171,7 @@ class ErrorTableText {
             read(next_word(line), trial.cost);
         }
         if (const std::string_view more = next_word(line); !more.empty()) {
-            refuse("'" + std::string(more) + "' is too much");
+            refuse("'" + as_shown(more) + "' is too much");
         }
     }
     SampledErrorTable table() {
@@ -220,7 +236,8 @@ template <class H>
 void keep_error_table(const SampledErrorTable& table, const MeasuredWith& with, const H& hierarchy,
                       const std::filesystem::path& file) {
     detail::FileWithNotes in("keep_error_table", file);
-    if (detail::identity_by(in.place.facts, in.place.approximation_tag) != identity_of(hierarchy)) {
+    if (detail::identity_by(in.place.facts, in.place.approximation_tag, in.checksum_of_options()) !=
+        identity_of(hierarchy)) {
         in.refuse_if("is of another hierarchy than the one that was measured");
     }
     Notes notes = in.notes();

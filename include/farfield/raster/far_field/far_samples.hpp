@@ -326,7 +326,7 @@ class FarSamples {
         }
     }
 
-    /// Squares that touch fewer along each side cover few samples whole, and are not worth a look at blocks.
+    /// Squares that touch no more along each side cover few samples whole, and are not worth a look at blocks.
     static constexpr int few = 3;
 
     template <class Depths>

@@ -62,10 +62,10 @@ class Square {
         constexpr int w = lanes::sample_width, h = lanes::sample_height;
         const __m128 inside = _mm_mul_ps(_mm_sub_ps(v, _mm_cvtepi32_ps(sample)), _mm_setr_ps(w, h, w, h));
         const __m128i rest = _mm_cvttps_epi32(_mm_add_ps(inside, _mm_set1_ps(0.5f)));
-        // Both factors are below 2^15.
         // The first samples' edges are at 0, the last ones' at their ends.
         at_border_ = _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(rest, _mm_setr_epi32(0, 0, w, h))));
         const __m128i from_first = _mm_sub_epi32(sample, _mm_shuffle_epi32(sample, 0x44));
+        // Both factors are below 2^15.
         const __m128i at = _mm_add_epi32(rest, _mm_madd_epi16(from_first, _mm_setr_epi32(w, h, w, h)));
         is_empty_ = (_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpgt_epi32(_mm_shuffle_epi32(at, 0xee), at))) & 3) != 3;
         left_ = _mm_shuffle_epi32(_mm_shufflelo_epi16(at, 0x00), 0x00);
