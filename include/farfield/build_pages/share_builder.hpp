@@ -53,7 +53,7 @@ class ShareBuilder {
     /// Makes a share of all pages, and leaves files for join().
     template <class Stream>
     void operator()(Stream& stream, PageShare share) {
-        check(share);
+        refuse_wrong(share);
         const Tree tree = survey_of(stream);
         std::uint64_t needed = 1;
         do {
@@ -70,7 +70,7 @@ class ShareBuilder {
     /// Bytes that it takes of the disk meanwhile, at most.
     template <class Stream>
     std::uint64_t disk_bytes(Stream& stream, PageShare share) {
-        check(share);
+        refuse_wrong(share);
         const Tree tree = survey_of(stream);
         build_.plan.page_bytes = std::uint32_t(Records::page_bytes(build_.options.page_bytes, 1));
         return disk_bytes_of(tree, groups_of(tree, share));
@@ -84,7 +84,7 @@ class ShareBuilder {
     /// Of what a journal tells, and how what it tells of lies in files.
     static constexpr std::uint64_t journal_version = 3;
 
-    static void check(PageShare share) {
+    static void refuse_wrong(PageShare share) {
         if (share.count == 0 || share.index >= share.count) {
             fail<std::invalid_argument>("farfield::build_pages: share " + std::to_string(share.index) + " of " +
                                         std::to_string(share.count));
