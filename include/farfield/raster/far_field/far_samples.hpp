@@ -50,9 +50,6 @@ class FarSamples {
         width_ = width;
         height_ = height;
         columns_ = (width + side - 1) >> log2_side;
-        samples_.reset();
-        lanes_.reset();
-        first_deposit_.reset();
         bits_.assign(std::size_t(columns_) * std::size_t((height + side - 1) >> log2_side), {});
         rect_ = {};
         has_begun_ = false;
@@ -75,14 +72,15 @@ class FarSamples {
         has_begun_ = false;
     }
 
-    /// Call this before the first deposit of a frame. The first frame that has one takes the memory, of which systems
-    /// give only what is written to.
+    /// Call this before the first deposit of a frame. The first frame of a size that has one takes the memory, of which
+    /// systems give only what is written to. It is kept for smaller ones, and where there is not enough for a larger.
     void begin() {
-        if (!samples_) {
-            const std::size_t count = bits_.size() * area;
+        const std::size_t count = bits_.size() * area;
+        if (count > room_) {
             first_deposit_.reset(new float[count]);
             lanes_.reset(new FarLanes[count]);
-            samples_.reset(new Sample[count]);  // last: it tells that there is memory
+            samples_.reset(new Sample[count]);
+            room_ = count;  // last: there is as much of each
         }
         has_begun_ = true;
     }
@@ -418,6 +416,7 @@ class FarSamples {
     int width_ = 0, height_ = 0, columns_ = 0;
     int left_ = 0, top_ = 0, whole_width_ = 0, whole_height_ = 0;
     // Block by block, and as `bits_` says:
+    std::size_t room_ = 0;                    ///< of each of these, for so many samples
     std::unique_ptr<Sample[]> samples_;       ///< those touched
     std::unique_ptr<FarLanes[]> lanes_;       ///< those split
     std::unique_ptr<float[]> first_deposit_;  ///< q of the first and nearest, for samples touched
