@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -114,7 +113,7 @@ TEST_CASE("Packed pages are read with the notes that follow them") {
     for (const std::size_t begin : {std::size_t(0), plain.size() - 5000, plain.size() - 9, plain.size()}) {
         std::vector<std::byte> part(plain.size() - begin);
         REQUIRE(source.read(begin, part).status == ReadStatus::done);
-        CHECK(std::memcmp(part.data(), plain.data() + begin, part.size()) == 0);
+        CHECK(std::equal(part.begin(), part.end(), std::as_bytes(std::span(plain)).subspan(begin).begin()));
     }
     std::vector<std::byte> beyond(2);
     CHECK(source.read(plain.size() - 1, beyond).status == ReadStatus::refused);
