@@ -74,6 +74,21 @@ TEST_CASE("the area that takes a part is the logarithm of what it leaves", "[geo
     CHECK(detail::absorbed(detail::absorbing_area(1)) == 1);
 }
 
+TEST_CASE("parts of areas cover together what all of them cover, and each more than its share where it is strewn",
+          "[geometry]") {
+    for (const AreaLaw law : laws) {
+        for (const float opacity : {0.0f, 0.01f, 0.3f, 0.7f, 0.95f}) {
+            for (const float part : {0.0f, 0.1f, 0.5f, 0.8f, 1.0f}) {
+                const float of_part = opacity_of_part(opacity, part, law);
+                CHECK(of_part >= opacity * part - 1e-5f);
+                const float first = transmitted(1, loss_of_opacity(of_part, law));
+                const float left = transmitted(first, loss_of_opacity(opacity_of_part(opacity, 1 - part, law), law));
+                CHECK(left == Approx(1 - opacity).margin(3e-5));
+            }
+        }
+    }
+}
+
 TEST_CASE("an area may be split into any parts", "[geometry]") {
     Random random(4);
     for (int i = 0; i < 3000; ++i) {

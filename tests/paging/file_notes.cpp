@@ -24,6 +24,7 @@
 #include "farfield/storage/save.hpp"
 #include "storage/files.hpp"
 #include "support/scenes.hpp"
+#include "support/trim_zeros.hpp"
 
 using namespace farfield;
 using namespace farfield::test;
@@ -32,24 +33,7 @@ namespace {
 
 using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
 
-/// Leaves out the zeros that a page ends with.
-struct Trimmed {
-    static constexpr std::uint32_t file_tag = 0x5452494du;
-    static constexpr const char* name = "trimmed";
-    std::size_t pack(std::span<const std::byte> from, std::span<std::byte> to) const {
-        std::size_t size = from.size();
-        while (size > 1 && from[size - 1] == std::byte(0)) --size;
-        if (size > to.size()) return 0;
-        std::copy_n(from.begin(), size, to.begin());
-        return size;
-    }
-    bool unpack(std::span<const std::byte> from, std::span<std::byte> to) const noexcept {
-        if (from.size() > to.size()) return false;
-        std::fill(std::copy(from.begin(), from.end(), to.begin()), to.end(), std::byte(0));
-        return true;
-    }
-};
-using Unpacked = UnpackedPages<FilePageSource, Trimmed>;
+using Unpacked = UnpackedPages<FilePageSource, TrimZeros>;
 
 const Notes some{{"errors", "1 2 3\n"}, {"who", "me"}};
 
@@ -63,7 +47,7 @@ struct Kinds {
     explicit Kinds(const Notes& notes = {}) {
         save(hierarchy, plain, notes);
         save_pages<Tensors, Triangle>(hierarchy, triangles, pages, {.page_bytes = 4096, .notes = notes});
-        pack_pages(Trimmed(), pages, packed);
+        pack_pages(TrimZeros(), pages, packed);
     }
     std::vector<std::filesystem::path> all() const { return {plain, pages, packed}; }
     /// The notes that come with it where they do; throws what is wrong with the file.

@@ -30,6 +30,7 @@
 #include "support/random.hpp"
 #include "support/scenes.hpp"
 #include "support/temporary_directory.hpp"
+#include "support/trim_zeros.hpp"
 #include "support/views.hpp"
 
 using namespace farfield;
@@ -40,24 +41,6 @@ namespace {
 using Tensors = SpatialHierarchy<Octree, OpacityTensor, TriangleCount>;
 using Bytes = std::vector<std::byte>;
 
-/// Leaves out the zeros that a page ends with, and nothing else.
-struct TrimZeros {
-    static constexpr std::uint32_t file_tag = 0x5a45524fu;
-    static constexpr const char* name = "trim";
-    std::size_t pack(std::span<const std::byte> from, std::span<std::byte> to) const {
-        std::size_t size = from.size();
-        while (size > 1 && from[size - 1] == std::byte(0)) --size;
-        if (size > to.size()) return 0;
-        std::memcpy(to.data(), from.data(), size);
-        return size;
-    }
-    bool unpack(std::span<const std::byte> from, std::span<std::byte> to) const noexcept {
-        if (from.size() > to.size()) return false;
-        std::memset(to.data(), 0, to.size());
-        std::memcpy(to.data(), from.data(), from.size());
-        return true;
-    }
-};
 struct Other : TrimZeros {
     static constexpr std::uint32_t file_tag = 0x4f544852u;
     static constexpr const char* name = "other";

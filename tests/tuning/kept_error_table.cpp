@@ -23,6 +23,7 @@
 #include "farfield/storage/open.hpp"
 #include "farfield/storage/save.hpp"
 #include "storage/files.hpp"
+#include "support/trim_zeros.hpp"
 
 using namespace farfield;
 
@@ -53,14 +54,6 @@ void require_same(const SampledErrorTable& a, const SampledErrorTable& b) {
     }
 }
 
-/// Packs nothing: pages are stored as they are.
-struct NoCodec {
-    static constexpr std::uint32_t file_tag = 0x4e4f4e45u;
-    static constexpr const char* name = "none";
-    std::size_t pack(std::span<const std::byte>, std::span<std::byte>) const { return 0; }
-    bool unpack(std::span<const std::byte>, std::span<std::byte>) const noexcept { return false; }
-};
-
 struct Scene {
     std::vector<Triangle> triangles = scene(300);
     Hierarchy hierarchy = build<Hierarchy>(triangles);
@@ -86,7 +79,7 @@ TEST_CASE("an error table comes back from its hierarchy's file to the last bit, 
     const auto plain = directory / "plain", pages = directory / "pages.farfield", packed = directory / "packed";
     save(scene.hierarchy, plain);
     save_pages<Hierarchy, Triangle>(scene.hierarchy, scene.triangles, pages);
-    pack_pages(NoCodec(), pages, packed);
+    pack_pages(test::TrimZeros(), pages, packed);
     const SampledErrorTable table = some_table();
     for (const auto& path : {plain, pages, packed}) {
         CHECK_FALSE(kept_error_table(with, scene.hierarchy, path));
@@ -194,7 +187,7 @@ TEST_CASE("a table belongs to the options that its hierarchy was built with, in 
     CHECK(identity_of(some) != identity_of(others));
     save(some, directory / "plain");
     save_pages<Splats, Triangle>(some, triangles, directory / "pages");
-    pack_pages(NoCodec(), directory / "pages", directory / "packed");
+    pack_pages(test::TrimZeros(), directory / "pages", directory / "packed");
     for (const char* name : {"plain", "pages", "packed"}) {
         CHECK_THROWS_WITH(keep_error_table(some_table(), with, others, directory / name),
                           Catch::Matchers::Contains("another hierarchy"));

@@ -203,20 +203,9 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         float splat_limit_px;
         float drawn;
 
-        /// By the area law: a part of what is strewn covers more than its share, as less of it hides itself.
-        float covered_by_drawn(float a, AreaLaw law) const {
-            switch (law) {
-                case AreaLaw::independent:
-                    return detail::absorbed(drawn * detail::absorbing_area(a));
-                case AreaLaw::mixed:
-                    return 2 * detail::absorbed(drawn * detail::absorbing_area(0.5f * a));
-                default:
-                    return a * drawn;
-            }
-        }
         float factor(float a, AreaLaw law) const {
             if (knows_rest || !(drawn > 0) || !(a > 0)) return 1;
-            const float x = covered_by_drawn(a, law);
+            const float x = opacity_of_part(a, drawn, law);
             return x < 1 ? std::max(a - x, 0.0f) / ((1 - x) * a) : 1.0f;
         }
         void operator()(Face face) const {

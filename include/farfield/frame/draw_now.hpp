@@ -4,7 +4,6 @@
 #include "farfield/settings.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -29,10 +28,9 @@ struct AsTheyAre {};
 
 namespace detail {
 
-/// The opacity of a part of something, so that parts that add up to 1 cover as much as all of it: areas of a surface
-/// add up, independent ones hide one another.
+/// The opacity of a part of something. No part of what is strewn leaves something of what is opaque, so little is left.
 inline float part_of_opacity(float opacity, float part, AreaLaw law) {
-    return law == AreaLaw::coherent ? opacity * part : 1 - std::pow(1 - std::min(opacity, 0.98f), part);
+    return opacity_of_part(law == AreaLaw::independent ? std::min(opacity, 0.98f) : opacity, part, law);
 }
 
 /// Borrows queue and renderer. `Tint` is AsTheyAre, or something called with a Subtree that gives the color, not

@@ -87,6 +87,21 @@ constexpr Loss loss_of_opacity(float alpha, AreaLaw law) {
     return {};
 }
 
+/// What a part of the areas covers, 0 to 1, if all of them cover `opacity` of a fresh sample: areas of a surface add
+/// up, and of what is strewn a part covers more than its share, as less of it hides itself. Parts that add up to 1
+/// cover as much as all.
+constexpr float opacity_of_part(float opacity, float part, AreaLaw law) {
+    switch (law) {
+        case AreaLaw::coherent:
+            return opacity * part;
+        case AreaLaw::mixed:
+            return 2 * detail::absorbed(part * detail::absorbing_area(0.5f * opacity));
+        case AreaLaw::independent:
+            return detail::absorbed(part * detail::absorbing_area(opacity));
+    }
+    return 0;
+}
+
 /// Transmittance after a loss. Never negative.
 constexpr float transmitted(float transmittance, Loss loss) {
     const float left = transmittance - (transmittance * loss.relative + loss.absolute);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "farfield/executor.hpp"
+#include "farfield/paging/file_notes.hpp"
 #include "farfield/paging/file_page_source.hpp"
 #include "farfield/paging/packed_format.hpp"
 #include "farfield/paging/page_format.hpp"
@@ -51,13 +52,8 @@ void pack_pages(const C& codec, const std::filesystem::path& from, const std::fi
     }
     std::vector<std::byte> head(std::size_t(plain.first_page));
     read(0, head);
-    if (in.size() - plain.file_bytes > detail::most_note_bytes) refuse("is too long");
-    std::vector<std::byte> notes(std::size_t(in.size() - plain.file_bytes));
-    read(plain.file_bytes, notes);
-    if (!notes.empty()) {
-        Notes unused;
-        if (const std::string why = detail::wrong_notes(notes, unused); !why.empty()) refuse(why);
-    }
+    const std::vector<std::byte> notes =
+        detail::bytes_of_notes(detail::notes_at(plain.file_bytes, in.size(), read, refuse));
 
     constexpr std::uint32_t pages_at_once = 32;
     const std::size_t page_bytes = plain.page_bytes;

@@ -30,6 +30,7 @@
 #include "farfield/renderer/z_buffer_renderer.hpp"
 #include "farfield/tuning/error_table.hpp"
 #include "farfield/tuning/sampled_error_table.hpp"
+#include "farfield/tuning/viewers_by_samples.hpp"
 #include "farfield/view.hpp"
 #include "farfield/viewer.hpp"
 
@@ -188,35 +189,23 @@ class SampledSubject {
         : hierarchy_(whole_hierarchy(hierarchy)),
           views_(views),
           references_(reference_pictures(hierarchy_, primitives, views, options.reference)) {
-        for (const int count : samples) {
-            // Renderers stay where they are, so they are made there.
-            Drawn drawn{count, std::unique_ptr<R>(new R(make(count)))};
-            drawn.viewer = all_.empty() ? std::make_unique<Viewer<H, P, R>>(hierarchy_, primitives, *drawn.renderer)
-                                        : std::make_unique<Viewer<H, P, R>>(*all_.front().viewer, *drawn.renderer);
-            all_.push_back(std::move(drawn));
-        }
+        for (const int count : samples) all_.add(hierarchy_, primitives, count, make);
     }
 
     double draw(std::size_t i, float tolerance_px, int samples) {
-        const auto has_so_many = [&](const Drawn& drawn) { return drawn.samples == samples; };
-        last_ = std::size_t(std::find_if(all_.begin(), all_.end(), has_so_many) - all_.begin());
+        last_ = samples;
         View view = views_[i];
         view.wanted.samples = samples;
-        return cost_of_frame(hierarchy_, *all_[last_].viewer, view, tolerance_px, std::nullopt);
+        return cost_of_frame(hierarchy_, *all_.at(last_).viewer, view, tolerance_px, std::nullopt);
     }
-    SquaredError error(std::size_t i) const { return object_error(all_[last_].renderer->image(), references_[i]); }
+    SquaredError error(std::size_t i) const { return object_error(all_.at(last_).renderer->image(), references_[i]); }
 
   private:
-    struct Drawn {
-        int samples;
-        std::unique_ptr<R> renderer;
-        std::unique_ptr<Viewer<H, P, R>> viewer{};  ///< after its renderer, which it lets go of
-    };
     HeldHierarchy<H> hierarchy_;
     std::span<const View> views_;
     std::vector<Image> references_;
-    std::vector<Drawn> all_;
-    std::size_t last_ = 0;
+    ViewersBySamples<H, P, R> all_;
+    int last_ = 0;
 };
 
 /// Those that hold a hierarchy, where none are given.

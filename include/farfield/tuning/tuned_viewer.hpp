@@ -10,8 +10,6 @@
 
 #include "farfield/settings.hpp"
 
-#include <cstddef>
-#include <memory>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -22,6 +20,7 @@
 #include "farfield/primitive_source.hpp"
 #include "farfield/tuning/error_table.hpp"
 #include "farfield/tuning/sampled_error_table.hpp"
+#include "farfield/tuning/viewers_by_samples.hpp"
 #include "farfield/view.hpp"
 #include "farfield/viewer.hpp"
 #include "farfield/wanted_error.hpp"
@@ -37,13 +36,7 @@ class TunedViewer {
     template <class MakeRenderer>
     TunedViewer(const H& hierarchy, PrimitiveSpan<P> primitives, SampledErrorTable table, MakeRenderer&& make)
         : table_(std::move(table)) {
-        for (const ErrorsAtSamples& at : table_.tables()) {
-            // Renderers stay where they are, so they are made there.
-            Drawn drawn{std::unique_ptr<R>(new R(make(at.samples)))};
-            drawn.viewer = all_.empty() ? std::make_unique<Viewer<H, P, R>>(hierarchy, primitives, *drawn.renderer)
-                                        : std::make_unique<Viewer<H, P, R>>(*all_.front().viewer, *drawn.renderer);
-            all_.push_back(std::move(drawn));
-        }
+        for (const ErrorsAtSamples& at : table_.tables()) all_.add(hierarchy, primitives, at.samples, make);
     }
 
     /// Draws a view by what is cheapest of all that keeps the error that it wants, as the table has it; exact where
@@ -52,34 +45,28 @@ class TunedViewer {
     /// SampledErrorTable::cheapest_for() do.
     FrameStats frame(View view) {
         view.validate();
-        last_ = 0;
         choice_.reset();
         if (!view.wanted.is_any()) {
             choice_ = table_.cheapest_for(view.wanted);
-            const auto tables = table_.tables();
-            while (tables[last_].samples != choice_->samples) ++last_;
             view = choice_->applied_to(view);
             // What is expected of a cell was not asked when the table was measured.
             view.wanted.rmse = WantedError::any().rmse;
         }
-        return all_[last_].viewer->frame(view);
+        return drawn().viewer->frame(view);
     }
 
     const SampledErrorTable& table() const { return table_; }
     /// What the last frame was drawn by; none if any error was wanted.
     const std::optional<SampleChoice>& choice() const { return choice_; }
     /// That of the last frame.
-    const R& renderer() const { return *all_[last_].renderer; }
+    const R& renderer() const { return *drawn().renderer; }
 
   private:
-    struct Drawn {
-        std::unique_ptr<R> renderer;
-        std::unique_ptr<Viewer<H, P, R>> viewer{};  ///< after its renderer, which it lets go of
-    };
+    /// With what the last frame was drawn; the fewest samples if any error was wanted.
+    const auto& drawn() const { return choice_ ? all_.at(choice_->samples) : all_.first(); }
 
     SampledErrorTable table_;
-    std::vector<Drawn> all_;  ///< one a table
-    std::size_t last_ = 0;
+    detail::ViewersBySamples<H, P, R> all_;  ///< one a table
     std::optional<SampleChoice> choice_;
 };
 
