@@ -20,9 +20,10 @@
 //     words_placed, place(data, cell, words), draw_placed(words, count, view, sink)
 //                                                           many at once, by splats: see DrawsPlaced
 //     placed(words, count) -> PlacedStandIns                what they are, for renderers that make the splats
-//     contents_box(data, cell, view)  -> ContentsBox        what is drawn of a cell that is too near for its stand-in
+//     contents_box(data, cell, reach, view) -> ContentsBox  what is drawn of a cell that is too near for its stand-in
 //                                                           while its contents are missing, by renderers that have
-//                                                           splats; without it the stand-in is
+//                                                           splats; without it the stand-in is. They and what stands
+//                                                           in for them lie in the box `reach`, which holds the cell
 //
 // Facts announce whatever else it has, and make it required.
 #pragma once
@@ -323,8 +324,8 @@ concept DrawsLargePlaced = DrawsPlaced<A> && !requires(const A& a, const Cell& c
 
 template <class A>
 concept TellsContentsBox = requires(const A& a, const typename A::stand_in_data& data, const Cell& cell,
-                                    const LocalView& view) {
-    { a.contents_box(data, cell, view) } -> std::same_as<ContentsBox>;
+                                    const Box& reach, const LocalView& view) {
+    { a.contents_box(data, cell, reach, view) } -> std::same_as<ContentsBox>;
 };
 
 template <class A, class Data>

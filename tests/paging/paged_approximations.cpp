@@ -168,9 +168,12 @@ TEMPLATE_TEST_CASE("A cache that is too small leaves no hole", "", (Over<Octree,
     for (Triangle& t : leaning) {
         for (glm::vec3& v : t.vertices) v.y = 0.4f * v.x - 0.3f * v.z + 0.02f * std::sin(30 * v.x);
     }
-    const Triangles ball = sphere(glm::vec3(0), 1, 60, color), clutter = mixed_triangles(8000, 5);
-    for (const Triangles& scene :
-         {std::cref(flat), std::cref(floors), std::cref(leaning), std::cref(ball), std::cref(clutter)}) {
+    const Triangles ball = sphere(glm::vec3(0), 1, 60, color);
+    // Of single polygons in large cells so little was drawn that it was rounded to nothing.
+    const Triangles clutter = mixed_triangles(3400, 1), thin = mixed_triangles(3800, 2);
+    for (const Triangles& scene : {std::cref(flat), std::cref(floors), std::cref(leaning), std::cref(ball),
+                                   std::cref(clutter), std::cref(thin)}) {
+        const double turn = &scene == &clutter ? 0.37 : &scene == &thin ? 0.74 : 0;
         const bool walks = &scene == &flat || &scene == &floors;
         const auto view = [&](int i) {
             if (i == 4) return looking_orthographic({1, 0.3, 1.2}, {}, 1.2f, 96, 2);
@@ -179,7 +182,8 @@ TEMPLATE_TEST_CASE("A cache that is too small leaves no hole", "", (Over<Octree,
                 const glm::dvec3 eye(0.013, &scene == &flat && i % 2 == 0 ? 0.004 : 0.06, 0.9 - 0.15 * i);
                 return looking(eye, eye + glm::dvec3(0.1 * i, -2 * eye.y, -1), 96, 2);
             }
-            return looking((1.3 + 0.4 * i) * glm::dvec3(std::cos(i), 0.4, std::sin(i)), glm::dvec3(0), 96, 2);
+            const glm::dvec3 direction(std::cos(i + turn), 0.4 + 0.27 * turn, std::sin(i + turn));
+            return looking((0.9 + 0.4 * i) * direction, glm::dvec3(0), 96, 2);
         };
         constexpr int frames = 5;
         const auto h = build<TestType>(scene);

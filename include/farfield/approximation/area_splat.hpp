@@ -221,10 +221,12 @@ struct AreaSplat {
         sink(splat);
     }
 
-    /// All that the contents of a cell may reach: its bounds, or a layer in them, where the contents lie in one.
-    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+    /// All that the contents of a cell may reach, or a layer in it, where the contents lie in one.
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const Box& reach,
+                             const LocalView& view) const {
         if (is_nothing(data)) return {};
-        const Box box = (data[0].a & 1) != 0 ? flat_part(data, cell) : cell.bounds();
+        Box box = (data[0].a & 1) != 0 ? flat_part(data, cell) : reach;
+        box = {glm::clamp(box.lower, reach.lower, reach.upper), glm::clamp(box.upper, reach.lower, reach.upper)};
         const glm::vec3 center = box.center(), half = box.upper * 0.5f - box.lower * 0.5f, parts = filled_parts(data),
                         towards = view.towards_viewer(center);
         const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);

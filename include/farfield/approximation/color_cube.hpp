@@ -171,16 +171,22 @@ struct ColorCube {
     }
 
     /// All that the contents of a cell may reach. They cover no more of it for that.
-    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const Box& reach,
+                             const LocalView& view) const {
         glm::vec4 sum(0);
         for (const Rgba8 c : data) sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a));
         const float covered = sum.w * (1.0f / (6 * 255));
         const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255 / glm::max(sum.w, 1.0f)) + 0.5f, glm::vec3(255.0f));
         const glm::vec3 towards = view.towards_viewer(cell.center);
         const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);
-        const float unit = length_unit(cell), cells = outline_of(cell.half / unit, w),
-                    all = outline_of(cell.bounds_half / unit, w);
-        return {cell.bounds_center, cell.bounds_half, all > cells ? covered * (cells / all) : covered,
+        const float unit = length_unit(cell), cells = outline_of(cell.half / unit, w);
+        // Of an octant a square is drawn that is as large as its outline, and sticks out of that.
+        const glm::vec3 octants = 0.5f * cell.half + 0.25f * unit * std::sqrt(cells);
+        const glm::vec3 lower = glm::max(glm::min(reach.lower, cell.center - octants), cell.bounds().lower),
+                        upper = glm::min(glm::max(reach.upper, cell.center + octants), cell.bounds().upper),
+                        half = upper * 0.5f - lower * 0.5f;
+        const float all = outline_of(half / unit, w);
+        return {upper * 0.5f + lower * 0.5f, half, all > cells ? covered * (cells / all) : covered,
                 Rgba8{std::uint8_t(rgb.x), std::uint8_t(rgb.y), std::uint8_t(rgb.z),
                       std::uint8_t(law_of_opacity(covered))}};
     }

@@ -149,15 +149,16 @@ struct OpacityTensor {
 
     /// A box about the contents' centroid that is twice as large as their own holds them, wherever in them it is. Of
     /// what is strewn only the bounds are known.
-    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const Box& reach_of_all,
+                             const LocalView& view) const {
         const TensorAppearance appearance = appearance_of(data);
         const bool is_known = appearance.shape.law == AreaLaw::coherent;
         const float unit = tensor_unit(cell);
         // And as steps of extents (a sixteenth) and centers (a sixty-fourth) have it.
         const glm::vec3 reach = (is_known ? appearance.shape.extent * (17.0f / 16) + 3.0f / 128 : glm::vec3(1)) * unit,
-                        middle = appearance.center_in(cell), lower = cell.bounds_center - cell.bounds_half,
-                        upper = cell.bounds_center + cell.bounds_half;
-        const glm::vec3 from = glm::clamp(middle - reach, lower, upper), to = glm::clamp(middle + reach, lower, upper);
+                        middle = appearance.center_in(cell);
+        const glm::vec3 from = glm::clamp(middle - reach, reach_of_all.lower, reach_of_all.upper),
+                        to = glm::clamp(middle + reach, reach_of_all.lower, reach_of_all.upper);
         const glm::vec3 center = 0.5f * (from + to), half = 0.5f * (to - from), towards = view.towards_viewer(center);
         const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);
         const TensorAppearance::Seen seen = appearance.seen_from(w);

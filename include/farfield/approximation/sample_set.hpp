@@ -151,9 +151,9 @@ requires(Inner::facts.stands_in && !Inner::facts.has_pool) struct SampleSet {
         }
     }
 
-    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const Box& reach, const LocalView& view) const
         requires(detail::TellsContentsBox<Inner>) {
-        return inner.contents_box(data.inner, cell, view);
+        return inner.contents_box(data.inner, cell, reach, view);
     }
 
     // Many at once: see DrawsPlaced in approximation.hpp.

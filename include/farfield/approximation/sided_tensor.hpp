@@ -106,8 +106,9 @@ struct SidedTensor {
         tensor.draw_stand_in(data.tensor, cell, view, colored);
     }
     /// In the tensor's color: from inside a cell no side is seen.
-    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
-        return tensor.contents_box(data.tensor, cell, view);
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const Box& reach,
+                             const LocalView& view) const {
+        return tensor.contents_box(data.tensor, cell, reach, view);
     }
     template <class Sink>
     void polygons(const stand_in_data& data, const Cell& cell, Sink&& sink) const {

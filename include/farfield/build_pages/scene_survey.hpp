@@ -59,7 +59,7 @@ class SceneSurvey {
         const std::uint64_t count = in_batches<P>(
             stream, build_.control,
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
-                Found& f = found[slot] = {};
+                Found f;  // here, not there: slots of two threads share lines of their caches
                 for (const P& p : batch) {
                     const auto index = std::size_t(first + std::uint64_t(&p - batch.data()));
                     const auto b = checked_bounds(p, index);
@@ -67,6 +67,7 @@ class SceneSurvey {
                     f.fingerprint.add(Fingerprint::part(index, b));
                 }
                 f.contents = Xxh64::of(std::as_bytes(batch));
+                found[slot] = f;
             },
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
                 whole.add(found[slot].bounds);
@@ -113,9 +114,7 @@ class SceneSurvey {
         const std::uint64_t count = in_batches<P>(
             stream, build_.control,
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
-                Found& f = found[slot];
-                f.work = {};
-                f.cells = {};
+                Found f{std::move(found[slot].runs), {}, {}};
                 f.runs.clear();
                 auto path = counts.path();
                 for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -127,6 +126,7 @@ class SceneSurvey {
                     f.work += work;
                     f.cells.add(item.bounds.largest_side(), half, item.cost);
                 }
+                found[slot] = std::move(f);
             },
             [&](std::span<const P> batch, std::uint64_t first, std::size_t slot) {
                 for (const auto& [place, items] : found[slot].runs) counts.add(place, items);

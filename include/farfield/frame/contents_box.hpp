@@ -4,6 +4,7 @@
 
 #include "farfield/settings.hpp"
 
+#include <algorithm>
 #include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -14,6 +15,7 @@
 
 #include "farfield/approximation.hpp"
 #include "farfield/drawables.hpp"
+#include "farfield/geometry/length.hpp"
 #include "farfield/view/local_view.hpp"
 
 namespace farfield::detail {
@@ -21,7 +23,9 @@ namespace farfield::detail {
 /// A splat over all of the picture that the part of a box before the near plane may cover, as deep as the box reaches:
 /// what is known of the cells in it lies in front. Nothing if no part of it does.
 inline std::optional<Splat> splat_over(const ContentsBox& box, const LocalView& view) {
-    if (!(box.opacity > 0)) return {};
+    if (!(largest_component(box.half) > 0)) return {};
+    // Of what is small in a large cell so little is known that pictures of eight bits would not have it.
+    const float opacity = std::max(box.opacity, 1.0f / 255);
     const auto in_view = [&](glm::vec3 d) {
         return glm::vec3(glm::dot(view.right, d), glm::dot(view.up, d), glm::dot(view.forward, d));
     };
@@ -31,7 +35,7 @@ inline std::optional<Splat> splat_over(const ContentsBox& box, const LocalView& 
     const float nearest = view.near_depth, farthest = center.z + reach.z;
     if (!(farthest > nearest)) return {};
     if (!view.is_perspective) {
-        return Splat{box.center + reach.z * view.forward, 2.0f * glm::vec2(reach), box.opacity, box.rgb};
+        return Splat{box.center + reach.z * view.forward, 2.0f * glm::vec2(reach), opacity, box.rgb};
     }
 
     // Beyond the picture there is nothing to cover, and next to the eye there is no end of it.
@@ -64,7 +68,7 @@ inline std::optional<Splat> splat_over(const ContentsBox& box, const LocalView& 
     const glm::vec2 middle = 0.5f * (low + high), size = high - low;
     if (!(size.x > 0 && size.y > 0)) return {};
     return Splat{view.eye + farthest * (view.forward + middle.x * view.right + middle.y * view.up), farthest * size,
-                 box.opacity, box.rgb};
+                 opacity, box.rgb};
 }
 
 }  // namespace farfield::detail

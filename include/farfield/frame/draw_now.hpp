@@ -88,8 +88,9 @@ class DrawNow {
         if constexpr (R::facts.draws_splats && TellsContentsBox<A>) {
             if (queue_.splat_limit_px() > 0) {
                 const auto& h = v.hierarchy;
+                const Box reach = reach_of(h, subtree);
                 const auto box =
-                    h.approximation_policy().contents_box(stand_in_drawn(h, subtree), subtree.cell, v.view);
+                    h.approximation_policy().contents_box(stand_in_drawn(h, subtree), subtree.cell, reach, v.view);
                 if (const auto splat = splat_over(box, v.view)) {
                     StandInSink<V>{*this, v, subtree, queue_.splat_limit_px(), weight}(*splat);
                     return;
@@ -106,6 +107,12 @@ class DrawNow {
     }
 
   private:
+    template <class H>
+    static Box reach_of(const H& h, const Subtree& subtree) {
+        if constexpr (PagedAtRunTime<H>) return h.reach_of(h.nodes()[subtree.node], subtree.cell);
+        return subtree.cell.bounds();
+    }
+
     template <class V>
     struct StandInSink {
         DrawNow& to;

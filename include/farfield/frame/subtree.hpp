@@ -10,6 +10,7 @@
 #include <limits>
 #include <span>
 
+#include "farfield/geometry/box.hpp"
 #include "farfield/geometry/cell.hpp"
 #include "farfield/geometry/visit_order.hpp"
 #include "farfield/simd.hpp"
@@ -37,16 +38,17 @@ struct Subtree {
 };
 
 /// A hierarchy whose nodes' contents may be missing (paging/paged_hierarchy.hpp): begin_frame() and end_frame() around
-/// each descent, is_portal(node) where contents lie elsewhere, follow(subtree, weight) to get there or not, and
-/// expect(subtree, weight), the same for what later descents may follow: those of view_ahead(), if that is known.
-/// Whatever can be followed has a stand-in.
+/// each descent, is_portal(node) where contents lie elsewhere, reach_of(node, cell) for what holds these,
+/// follow(subtree, weight) to get there or not, and expect(subtree, weight), the same for what later descents may
+/// follow: those of view_ahead(), if that is known. Whatever can be followed has a stand-in.
 template <class H>
-concept PagedAtRunTime = requires(const H& h, Subtree& subtree, const Node& node) {
+concept PagedAtRunTime = requires(const H& h, Subtree& subtree, const Node& node, const Cell& cell) {
     h.begin_frame();
     h.end_frame();
     { h.whole() } -> std::same_as<Subtree>;
     { h.is_portal(node) } -> std::same_as<bool>;
     { h.items_below(node) } -> std::same_as<std::uint32_t>;
+    { h.reach_of(node, cell) } -> std::same_as<Box>;
     { h.follow(subtree, 1.0f) } -> std::same_as<bool>;
     { h.expect(subtree, 1.0f) } -> std::same_as<bool>;
     { h.view_ahead() } -> std::same_as<const LocalView*>;

@@ -42,8 +42,8 @@ std::vector<std::byte> page_file_head(const typename H::partition_type& partitio
     header.file_bytes = header.first_page + std::uint64_t(page_count) * page_bytes;
     header.node_count = facts.report.nodes;
     header.facts = facts;
-    header.root =
-        portal_to({root.page, root.unit, std::uint32_t(std::min<std::uint64_t>(root.items, 0xffffffffu))}, root.node);
+    header.root = portal_to({root.page, root.unit, std::uint32_t(std::min<std::uint64_t>(root.items, 0xffffffffu)), {}},
+                            root.node);
     header.root.first_item = 0;
     header.checksum_of_options = Xxh64::of(options);
     header.checksum = Xxh64::of(std::as_bytes(std::span(&header, 1)).first(offsetof(PageFileHeader, checksum)));

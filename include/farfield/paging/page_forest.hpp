@@ -16,7 +16,10 @@
 #include <vector>
 
 #include "farfield/frame/subtree.hpp"
+#include "farfield/geometry/box.hpp"
+#include "farfield/paging/contents_reach.hpp"
 #include "farfield/paging/page_format.hpp"
+#include "farfield/primitive.hpp"
 #include "farfield/storage/file_format.hpp"
 
 namespace farfield::detail {
@@ -26,6 +29,7 @@ struct UnitElsewhere {
     std::uint32_t page = 0, unit = 0;  ///< the page counted as this forest's are
     std::uint64_t items = 0;
     Node node;  ///< as its own tree has it
+    Box contents = Box::empty();
 };
 
 /// A hierarchy whose pages are to be made, and its primitives. Borrowed.
@@ -57,7 +61,12 @@ class PageForest {
         if (page_bytes == 0 && needed_bytes_ <= Records::most_bytes) {
             page_bytes_ = std::uint32_t(Records::page_bytes(wanted_bytes, needed_bytes_));
         }
-        if (fits()) place_units();
+        if (!fits()) return;
+        place_units();
+        for (const Tree& tree : trees_) {
+            reach_of_node_.emplace_back(tree.hierarchy->nodes().size());
+            contents_.push_back(find_reach(tree, whole_of(*tree.hierarchy), reach_of_node_.back()));
+        }
     }
 
     /// False if a node by itself holds more than a page may; there are no pages then.
@@ -71,7 +80,7 @@ class PageForest {
     /// Where the contents of a tree's root are. It is as if elsewhere, with pages counted from this forest's first.
     UnitElsewhere root_of(std::size_t tree) const {
         const Unit& u = units_[root_unit_[tree]];
-        return {u.page, u.number, u.subtree.end_item, trees_[tree].hierarchy->nodes()[0]};
+        return {u.page, u.number, u.subtree.end_item, trees_[tree].hierarchy->nodes()[0], contents_[tree]};
     }
 
     /// Calls write(page) for each page, whose numbers are their places; all have page_bytes().
@@ -161,6 +170,23 @@ class PageForest {
         for (std::size_t t = 0; t < trees_.size(); ++t) root_unit_.push_back(unit_of_node_[t][0]);
     }
 
+    /// Fills in how far contents reach, of a subtree's nodes, and returns a box that holds them all.
+    static Box find_reach(const Tree& tree, const Subtree& subtree, std::vector<ContentsReach>& reach) {
+        const H& h = *tree.hierarchy;
+        Box box = is_elsewhere(tree, subtree.node) ? tree.elsewhere[subtree.node].contents : Box::empty();
+        const std::uint32_t end = end_of_own_run(h, subtree);
+        for (std::uint32_t at = h.nodes()[subtree.node].first_item; at < end; ++at) {
+            box.add(local_bounds(item_at(tree, at), h.origin()));
+        }
+        for_children(tree, subtree, [&](const Subtree& child) { box.add(find_reach(tree, child, reach)); });
+        reach[subtree.node] = ContentsReach(box, subtree.cell);
+        return box;
+    }
+    static const P& item_at(const Tree& tree, std::uint32_t position) {
+        const auto& order = tree.hierarchy->order();
+        return tree.primitives[order.empty() ? position : order[position]];
+    }
+
     /// Page after page, level after level: where a level ends in a page, the next one begins. A page by itself for the
     /// end of each level would be three parts of a hundred of a file.
     void place_units() {
@@ -231,7 +257,7 @@ class PageForest {
         const H& h = *tree.hierarchy;
         const std::uint32_t end = end_of_own_run(h, subtree);
         for (std::uint32_t at = h.nodes()[subtree.node].first_item; at < end; ++at) {
-            to.add(tree.primitives[h.order().empty() ? at : h.order()[at]]);
+            to.add(item_at(tree, at));
         }
     }
 
@@ -261,20 +287,25 @@ class PageForest {
         const Node& node = tree.hierarchy->nodes()[child.node];
         if (is_elsewhere(tree, child.node)) {
             const UnitElsewhere& e = tree.elsewhere[child.node];
-            return portal_to({e.page - unit.page, e.unit, std::uint32_t(std::min<std::uint64_t>(e.items, 0xffffffffu))},
+            return portal_to({e.page - unit.page, e.unit, std::uint32_t(std::min<std::uint64_t>(e.items, 0xffffffffu)),
+                              reach_of_node_[unit.tree][child.node]},
                              e.node);
         }
         const Unit& u = units_[unit_of_node_[unit.tree][child.node]];
-        return portal_to({u.page - unit.page, u.number, child.end_item - node.first_item}, node);
+        return portal_to(
+            {u.page - unit.page, u.number, child.end_item - node.first_item, reach_of_node_[unit.tree][child.node]},
+            node);
     }
 
     static constexpr std::uint32_t no_unit = std::numeric_limits<std::uint32_t>::max();
 
     std::vector<Tree> trees_;
-    std::vector<Unit> units_;                               ///< page by page
-    std::vector<std::size_t> first_unit_;                   ///< by page, and where the last one ends
-    std::vector<std::uint32_t> root_unit_;                  ///< by tree
-    std::vector<std::vector<std::uint32_t>> unit_of_node_;  ///< by tree and node
+    std::vector<Unit> units_;                                ///< page by page
+    std::vector<std::size_t> first_unit_;                    ///< by page, and where the last one ends
+    std::vector<std::uint32_t> root_unit_;                   ///< by tree
+    std::vector<std::vector<std::uint32_t>> unit_of_node_;   ///< by tree and node
+    std::vector<std::vector<ContentsReach>> reach_of_node_;  ///< likewise
+    std::vector<Box> contents_;                              ///< by tree
     std::uint64_t needed_bytes_ = 0;
     std::uint32_t page_bytes_ = 0, page_count_ = 0;
 };

@@ -21,8 +21,9 @@
 // Each array begins at a multiple of the size of its records, counted from the page's begin, and so does every page in
 // the memory of a cache: whatever lies in a page has one index there, as it has in a hierarchy in memory. Indices in a
 // page count from its arrays' begins. The node whose contents are a unit of their own is a *portal*: it has no
-// children, and yet a first one, the number of pages from its own to theirs, plus 1. So pages of a part of a tree are
-// the same wherever they come to lie, but for the numbers in their headers.
+// children, and yet a first one, the number of pages from its own to theirs, plus 1; and instead of the mask of their
+// stand-ins how far its contents stick out of its cell. So pages of a part of a tree are the same wherever they come to
+// lie, but for the numbers in their headers.
 #pragma once
 
 #include "farfield/settings.hpp"
@@ -39,6 +40,7 @@
 
 #include "farfield/geometry/mixed.hpp"
 #include "farfield/hierarchy/hierarchy_data.hpp"
+#include "farfield/paging/contents_reach.hpp"
 #include "farfield/storage/checksum.hpp"
 #include "farfield/storage/file_format.hpp"
 
@@ -133,6 +135,7 @@ struct Portal {
     std::uint32_t page = 0;   ///< in memory; in a file, the number of pages from the portal's own
     std::uint32_t unit = 0;   ///< below 65536
     std::uint32_t items = 0;  ///< below it, to a two hundredth part
+    ContentsReach reach{};
 };
 inline bool is_portal(const Node& node) {
     return node.child_mask == 0 && node.first_child != 0;
@@ -140,7 +143,8 @@ inline bool is_portal(const Node& node) {
 inline Portal portal_of(const Node& node) {
     const float items = std::bit_cast<float>(node.first_child_data & 0xffff0000u);
     return {node.first_child - 1, node.first_child_data & 0xffffu,
-            items >= 0 && items < 0x1p32f ? std::uint32_t(items) : 0u};  // a forger may have written anything
+            items >= 0 && items < 0x1p32f ? std::uint32_t(items) : 0u,  // a forger may have written anything
+            ContentsReach(node.stand_in_mask)};
 }
 /// What a frame needs to know of a node while its page is missing is kept.
 inline Node portal_to(const Portal& to, const Node& node) {
@@ -148,7 +152,8 @@ inline Node portal_to(const Portal& to, const Node& node) {
     n.first_child = to.page + 1;
     const auto items = std::bit_cast<std::uint32_t>(std::min(float(to.items), 0x1.fcp31f));
     n.first_child_data = (items & 0xffff0000u) | to.unit;
-    n.child_mask = n.stand_in_mask = 0;
+    n.child_mask = 0;
+    n.stand_in_mask = to.reach.byte();
     return n;
 }
 

@@ -132,6 +132,8 @@ class PagedHierarchy {
     /// Whether a node's contents are in another page.
     static bool is_portal(const Node& node) { return detail::is_portal(node); }
     static std::uint32_t items_below(const Node& portal) { return detail::portal_of(portal).items; }
+    /// A box that holds what lies there and the portal's cell.
+    static Box reach_of(const Node& portal, const Cell& cell) { return detail::portal_of(portal).reach.box(cell); }
     /// Turns a portal into the node that it stands for. False, and nothing is done, if the page is missing or not what
     /// it should be: it has been asked for, the more urgently the larger `weight` is. A page counts no more than the
     /// one that leads to it, so that nothing is left in memory that nothing leads to.
