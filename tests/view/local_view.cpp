@@ -142,3 +142,16 @@ TEST_CASE("at distance 0 a length takes infinitely many pixels in perspective, a
     CHECK(parallel.pixels(1, 0) == Approx(25));
     CHECK(parallel.pixels(2, 1e9f) == Approx(50));
 }
+
+TEST_CASE("directions towards the viewer have length 1, at the eye itself too") {
+    Random random(153);
+    for (int i = 0; i < 200; ++i) {
+        const View v = i % 2 ? looking(random.in_cube(2), random.in_cube(1))
+                             : looking_orthographic(random.in_cube(2), random.in_cube(1), 2);
+        const LocalView view(v, {}, 4);
+        const glm::vec3 p = i % 10 < 2 ? view.eye : glm::vec3(random.in_cube(3)), d = view.direction_towards_viewer(p);
+        CHECK(glm::length(d) == Approx(1));
+        if (p == view.eye || !view.is_perspective) CHECK(glm::dot(d, -view.forward) == Approx(1));
+        if (p != view.eye) CHECK(glm::dot(d, view.towards_viewer(p)) == Approx(glm::length(view.towards_viewer(p))));
+    }
+}

@@ -178,7 +178,7 @@ struct AreaSplat {
     float covered_part(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
         if (size == Size::of_cell) return 1;
         const float side = cell.largest_side(), unit = length_unit(cell), part = side * (1 / unit);
-        const glm::vec3 w = direction_of(view.towards_viewer(center_in(data, cell)));
+        const glm::vec3 w = view.direction_towards_viewer(center_in(data, cell));
         const float outline = outline_of(cell.half / unit, w), area = part_seen(filled_parts(data), w) * part * part;
         return outline > area ? area / outline : 1.0f;
     }
@@ -191,7 +191,7 @@ struct AreaSplat {
         if (is_nothing(data)) return;
         const VisibleFaces seen(cell, view);
         const glm::vec3 center = center_in(data, cell), parts = filled_parts(data);
-        const float part = part_seen(parts, direction_of(view.towards_viewer(center)));
+        const float part = part_seen(parts, view.direction_towards_viewer(center));
         if (size == Size::of_areas && !(part > 0)) return;  // flat, and seen from its edge
         if (!(sink.splat_limit_px > 0)) {
             const float shrunk = size == Size::of_areas ? std::sqrt(part) : 1.0f;
@@ -228,8 +228,7 @@ struct AreaSplat {
         Box box = (data[0].a & 1) != 0 ? flat_part(data, cell) : reach;
         box = {glm::clamp(box.lower, reach.lower, reach.upper), glm::clamp(box.upper, reach.lower, reach.upper)};
         const glm::vec3 center = box.center(), half = box.upper * 0.5f - box.lower * 0.5f, parts = filled_parts(data),
-                        towards = view.towards_viewer(center);
-        const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);
+                        w = view.direction_towards_viewer(center);
         const float outline = outline_of(half / cell.largest_side(), w), area = part_seen(parts, w);
         glm::vec3 sum(0);
         for (const Rgba8 c : data) sum += glm::vec3(c.r, c.g, c.b);

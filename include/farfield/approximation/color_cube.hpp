@@ -177,8 +177,7 @@ struct ColorCube {
         for (const Rgba8 c : data) sum += glm::vec4(float(c.r), float(c.g), float(c.b), float(c.a));
         const float covered = sum.w * (1.0f / (6 * 255));
         const glm::vec3 rgb = glm::min(glm::vec3(sum) * (255 / glm::max(sum.w, 1.0f)) + 0.5f, glm::vec3(255.0f));
-        const glm::vec3 towards = view.towards_viewer(cell.center);
-        const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);
+        const glm::vec3 w = view.direction_towards_viewer(cell.center);
         const float unit = length_unit(cell), cells = outline_of(cell.half / unit, w);
         // Of an octant a square is drawn that is as large as its outline, and sticks out of that.
         const glm::vec3 octants = 0.5f * cell.half + 0.25f * unit * std::sqrt(cells);

@@ -120,7 +120,7 @@ struct OpacityTensor {
 
     float covered_part(const stand_in_data& data, const Cell& cell, const LocalView& view) const {
         const TensorAppearance appearance = appearance_of(data);
-        const glm::vec3 w = direction_of(view.towards_viewer(appearance.center_in(cell)));
+        const glm::vec3 w = view.direction_towards_viewer(appearance.center_in(cell));
         const float area = appearance.seen_from(w).area, outline = outline_of(cell.half / tensor_unit(cell), w);
         // A sheet on edge is not nothing.
         return outline > area ? std::max(area / outline, 1.0f / 256) : 1.0f;
@@ -148,19 +148,19 @@ struct OpacityTensor {
     }
 
     /// A box about the contents' centroid that is twice as large as their own holds them, wherever in them it is. Of
-    /// what is strewn only the bounds are known.
-    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const Box& reach_of_all,
+    /// what is strewn no more is known than the reach of all.
+    ContentsBox contents_box(const stand_in_data& data, const Cell& cell, const Box& reach,
                              const LocalView& view) const {
         const TensorAppearance appearance = appearance_of(data);
         const bool is_known = appearance.shape.law == AreaLaw::coherent;
         const float unit = tensor_unit(cell);
         // And as steps of extents (a sixteenth) and centers (a sixty-fourth) have it.
-        const glm::vec3 reach = (is_known ? appearance.shape.extent * (17.0f / 16) + 3.0f / 128 : glm::vec3(1)) * unit,
+        const glm::vec3 around = (is_known ? appearance.shape.extent * (17.0f / 16) + 3.0f / 128 : glm::vec3(1)) * unit,
                         middle = appearance.center_in(cell);
-        const glm::vec3 from = glm::clamp(middle - reach, reach_of_all.lower, reach_of_all.upper),
-                        to = glm::clamp(middle + reach, reach_of_all.lower, reach_of_all.upper);
-        const glm::vec3 center = 0.5f * (from + to), half = 0.5f * (to - from), towards = view.towards_viewer(center);
-        const glm::vec3 w = towards == glm::vec3(0) ? -view.forward : direction_of(towards);
+        const glm::vec3 from = glm::clamp(middle - around, reach.lower, reach.upper),
+                        to = glm::clamp(middle + around, reach.lower, reach.upper);
+        const glm::vec3 center = 0.5f * (from + to), half = 0.5f * (to - from),
+                        w = view.direction_towards_viewer(center);
         const TensorAppearance::Seen seen = appearance.seen_from(w);
         const float outline = outline_of(half / unit, w);
         const glm::vec3 rgb = seen.rgb + 0.5f;

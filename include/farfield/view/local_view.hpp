@@ -227,6 +227,11 @@ struct LocalView {
 
     /// Direction from a point towards the viewer, not normalized.
     glm::vec3 towards_viewer(glm::vec3 p) const { return is_perspective ? eye - p : -forward; }
+    /// The same, of length 1, from the eye itself too.
+    glm::vec3 direction_towards_viewer(glm::vec3 p) const {
+        const glm::vec3 towards = towards_viewer(p);
+        return towards == glm::vec3(0) ? -forward : direction_of(towards);
+    }
 
   private:
     /// A splat lies about any point of its cell and is as large as the cell may look: half of it reaches beyond. (Away
