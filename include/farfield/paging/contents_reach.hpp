@@ -17,7 +17,7 @@ namespace farfield::detail {
 /// 1 to 255: from the cell's box to its bounds in equal steps. 0, as files written before have it: the bounds.
 ///
 /// No box is smaller than the cell's: stand-ins below it, whose place the missing one takes, may lie anywhere in there.
-/// (Thinner boxes were tried, a third of the cell for what lies in a sheet. They left holes beside cubes.)
+/// (Thinner boxes were tried, a third of the cell for what lies in a sheet. They took as long to draw.)
 class ContentsReach {
   public:
     constexpr ContentsReach() = default;
